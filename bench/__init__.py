@@ -1,0 +1,1 @@
+"""Runs a scenario through the chain, records it, scores it, reports it."""

@@ -1,0 +1,1 @@
+"""Pixels, ground and map: camera model, calibration, location with covariance, fusion."""

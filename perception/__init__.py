@@ -1,0 +1,1 @@
+"""Frames in, tracks out. Sees pixels only."""

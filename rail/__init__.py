@@ -1,0 +1,1 @@
+"""The model railway as geometry and graph. No pixels, no motion."""

@@ -1,0 +1,1 @@
+"""Scenarios as files: schema, loader, variations, library."""

@@ -1,4 +1,4 @@
-"""A run as it is scored, replayed and exported: everything that crossed from room to room, and nothing simulated again."""
+"""A run as it is scored, replayed and exported: everything that crossed from room to room."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ class Manifest:
     """What was run, with what.
 
     title, world: of the scenario.
-    stages: which implementation served each stage, by stage name (``"detector": "perception.hbp:..."``, ``"renderer": ...``).
+    stages: the implementation that served each stage, by stage name (``"detector"``, ``"renderer"``, ...).
     oracles: stages that were given the truth, by name; empty in an honest run.
     versions: of the packages that decide the result.
     survey: nominal cameras and marks; None for real footage.

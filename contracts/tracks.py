@@ -31,7 +31,7 @@ class Detections:
     quads_px: FloatArray
     anchors_px: FloatArray
     anchor_heights_m: FloatArray
-    anchor_covs_px2: (N, 2, 2) the detector's own statement of the anchor's error: second moment, bias included.
+    anchor_covs_px2: FloatArray
 
     def __post_init__(self) -> None:
         n = len(self.labels)

@@ -13,8 +13,8 @@ class CalibratedCamera:
     """An estimated camera with the covariance of its parameters.
 
     camera: the estimate.
-    covariance: (15, 15) of ``PARAMETERS``: px, the lens's own numbers, radians, metres. The rotation is a small rotation
-        vector in world axes applied from the left: ``world_from_camera = exp([r]) @ camera.pose.world_from_camera``.
+    covariance: (15, 15) of ``PARAMETERS``: px, the lens's own numbers, radians, metres. The rotation is a small vector
+        in world axes applied from the left: ``world_from_camera = exp([r]) @ camera.pose.world_from_camera``.
         Zero where a parameter is taken as known.
     """
 

@@ -102,10 +102,10 @@ class Truth:
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """One moment of a world: the frames for perception, the truth for the recording."""
+    """One moment of a world: the frames for perception, the truth for the recording; None where the world is real."""
 
     frames: tuple[Frame, ...]
-    truth: Truth
+    truth: Truth | None
 
 
 class World(Protocol):

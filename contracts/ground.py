@@ -6,6 +6,8 @@ import numpy as np
 
 from contracts.arrays import BoolArray, FloatArray, IntArray, freeze
 
+FUSED = "fused"  # the source of tracks that all cameras together stand for
+
 
 @dataclass(frozen=True, eq=False)
 class GroundTracks:

@@ -4,6 +4,7 @@ The format: https://mcap.dev/spec. Channels carry JSON Schemas, so that viewers 
 """
 
 import json
+import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +19,14 @@ import zstandard
 from contracts import InputError
 
 PROFILE = "gantry"
+_BROKEN = (  # what the reader raises on a broken file
+    mcap.exceptions.McapError,
+    zstandard.ZstdError,
+    struct.error,
+    ValueError,
+    KeyError,
+    MemoryError,
+)
 
 
 @dataclass(frozen=True)
@@ -85,13 +94,13 @@ class MessageReader:
                 yield from _messages(records)
             except mcap.exceptions.EndOfFile:
                 self.damage = "is cut short"
-            except (mcap.exceptions.McapError, zstandard.ZstdError, ValueError, KeyError, MemoryError):
+            except _BROKEN:
                 self.damage = "is damaged"
 
     def _first(self, records: Iterator[object]) -> object:
         try:
             return next(records)
-        except (mcap.exceptions.McapError, ValueError, MemoryError) as error:
+        except _BROKEN as error:
             raise InputError(f"{self._path} is no MCAP file") from error
 
 

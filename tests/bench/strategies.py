@@ -38,8 +38,8 @@ def arrays(shape, elements=FINITE):
 
 
 @st.composite
-def boxes(draw, n, elements=st.floats(-1e4, 1e4)):
-    corners = draw(arrays((n, 2, 2), elements))
+def boxes(draw, n):
+    corners = draw(arrays((n, 2, 2), st.floats(-1e4, 1e4)))
     return np.concatenate([corners.min(axis=1), corners.max(axis=1)], axis=1)  # (n, 4)
 
 

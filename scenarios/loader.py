@@ -1,0 +1,45 @@
+"""Scenario files by name: found, read, checked."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from difflib import get_close_matches
+from pathlib import Path
+
+from contracts import InputError
+from scenarios.schema import Scenario
+from scenarios.toml_file import read_toml
+
+LIBRARY = Path(__file__).parent / "library"
+
+
+def list_scenarios(library: Path = LIBRARY) -> tuple[str, ...]:
+    """Names of the scenarios in ``library``, sorted."""
+    return tuple(sorted(path.stem for path in library.glob("*.toml")))
+
+
+def load_scenario(name_or_path: str | Path) -> Scenario:
+    """The scenario of that name in the library, or in the file of that path.
+
+    Raises InputError naming file, line, key and the accepted values.
+    """
+    path = _path_of(name_or_path)
+    scenario = read_toml(path, Scenario)
+    if scenario.name not in ("", path.stem):
+        raise InputError(
+            f"{path}: key name: {scenario.name!r} differs from the file's name {path.stem!r}; leave it out"
+        )
+    return replace(scenario, name=path.stem)
+
+
+def _path_of(name_or_path: str | Path) -> Path:
+    path = Path(name_or_path)
+    if path.suffix == ".toml" or path.parent != Path():
+        return path
+    if not (LIBRARY / f"{path}.toml").is_file():
+        raise InputError(f"there is no scenario {str(path)!r}; {_nearest(str(path), list_scenarios())}")
+    return LIBRARY / f"{path}.toml"
+
+
+def _nearest(name: str, names: Sequence[str]) -> str:
+    near = get_close_matches(name, names, n=3, cutoff=0.4)
+    return f"nearest: {', '.join(near)}" if near else f"known: {', '.join(names) or 'none'}"

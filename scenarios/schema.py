@@ -1,0 +1,111 @@
+"""What a scenario file may say. The keys are documented here; ``scenarios.loader`` reads and checks files."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal
+
+from contracts import InputError
+from sim.motion_spec import MotionSpec, SwitchSetting, TimedEvent, VehicleSpec
+
+MAX_FPS = 1000.0
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Limits that a score must keep; at least one."""
+
+    min: float | None = None
+    max: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.min is None and self.max is None:
+            raise InputError("a bound needs min, max or both")
+        if self.min is not None and self.max is not None and self.min > self.max:
+            raise InputError(f"min = {self.min} exceeds max = {self.max}")
+
+    def holds(self, value: float) -> bool:
+        """Whether ``value`` keeps the limits; NaN does not."""
+        above = self.min is None or value >= self.min
+        return above and (self.max is None or value <= self.max) and not math.isnan(value)
+
+
+@dataclass(frozen=True)
+class Expect:
+    """What must come out.
+
+    contact: exactly these pairs of vehicles touch.
+    derail: exactly these vehicles derail.
+    scores: limits by the name of the score, for example ``"ground.rms_x_m" = { max = 0.003 }``.
+    """
+
+    contact: tuple[tuple[str, str], ...] = ()
+    derail: tuple[str, ...] = ()
+    scores: dict[str, Bound] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Range:
+    """Values that a key takes in the variants: uniform between ``min`` and ``max``, or one of ``any``."""
+
+    min: float | None = None
+    max: float | None = None
+    any: tuple[float | str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if bool(self.any) == (self.min is not None and self.max is not None) or (self.min is None) != (
+            self.max is None
+        ):
+            raise InputError("a range to vary needs min and max, or any = [values]")
+        if self.min is not None and self.max is not None and self.min > self.max:
+            raise InputError(f"min = {self.min} exceeds max = {self.max}")
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """One scenario, as its file says it.
+
+    name: the file's name without ``.toml``; filled in by the loader.
+    plant, rig: names of files in ``scenarios/plants`` and ``scenarios/rigs``. light: one of the presets of ``sim``.
+    switch: how switches lie at the beginning, by id; straight where not said.
+    vary: ranges by key, for example ``"vehicle.blue.speed_mps" = { min = 0.2, max = 0.4 }``.
+    """
+
+    title: str
+    plant: str
+    rig: str
+    light: str
+    seed: int
+    duration_s: float
+    fps: float
+    name: str = ""
+    world: Literal["rail"] = "rail"
+    switch: dict[str, SwitchSetting] = field(default_factory=dict)
+    switch_travel_s: float = 0.25
+    vehicle: tuple[VehicleSpec, ...] = ()
+    event: tuple[TimedEvent, ...] = ()
+    expect: Expect = field(default_factory=Expect)
+    vary: dict[str, Range] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.seed < 0:
+            raise InputError(f"seed = {self.seed} must not be negative")
+        if not (math.isfinite(self.duration_s) and self.duration_s > 0):
+            raise InputError(f"duration_s = {self.duration_s} must be finite and positive")
+        if not 0 < self.fps <= MAX_FPS:
+            raise InputError(f"fps = {self.fps} must lie in (0, {MAX_FPS:.0f}]")
+        _ = self.motion  # its checks are ours
+
+    @property
+    def motion(self) -> MotionSpec:
+        """What moves."""
+        return MotionSpec(self.vehicle, self.event, self.switch, self.switch_travel_s)
+
+    @property
+    def frame_count(self) -> int:
+        """Number of frames of each camera; the first is taken at time 0."""
+        return max(1, round(self.duration_s * self.fps))
+
+    @property
+    def frame_times_ns(self) -> tuple[int, ...]:
+        """Mid-exposure of each frame."""
+        return tuple(round(k * 1e9 / self.fps) for k in range(self.frame_count))

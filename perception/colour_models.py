@@ -1,0 +1,95 @@
+"""What perception knows of the vehicles it looks for: one model per colour, kept in one JSON file."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from contracts import FloatArray, InputError, frozen_array
+from contracts.arrays import freeze
+from perception.hue_saturation import SHAPE
+
+RAIL_MODELS = Path(__file__).parent / "models" / "rail.json"
+
+Range = tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class ColourModel:
+    """A vehicle of one colour as it shows in an image, all of it learned.
+
+    label: the colour's name.
+    histogram: (HUE_BINS, SATURATION_BINS) pixels that one vehicle puts into each bin, background suppressed.
+    area_px: least and largest area of the silhouette, roof and visible walls, in pixels.
+    side_ratio: least and largest short / long side of the silhouette's smallest rotated rectangle.
+    rectangularity_min: least area of the silhouette over that of its rectangle.
+    roof_size_px: long and short side of the roof.
+    roof_height_m: height above ground of the roof, on which the anchor lies.
+    anchor_moments_px2: by regime of measurement, the anchor's mean squared error along the long and the short side.
+    """
+
+    label: str
+    histogram: FloatArray
+    area_px: Range
+    side_ratio: Range
+    rectangularity_min: float
+    roof_size_px: Range
+    roof_height_m: float
+    anchor_moments_px2: dict[str, Range]
+
+    def __post_init__(self) -> None:
+        if not self.label:
+            raise InputError("ColourModel.label is empty; name the colour")
+        freeze(self, "histogram", shape=SHAPE)
+        if self.histogram.min() < 0 or self.histogram.sum() <= 0:
+            raise InputError(f"ColourModel {self.label!r}: the histogram must hold counts >= 0, not all of them 0")
+        for name in ("area_px", "side_ratio"):
+            low, high = frozen_array(getattr(self, name), name=f"ColourModel.{name}", shape=(2,))
+            if not 0 < low <= high:
+                raise InputError(f"ColourModel {self.label!r}: {name} = ({low}, {high}) must be 0 < low <= high")
+        numbers = (self.rectangularity_min, *self.roof_size_px, self.roof_height_m)
+        if not np.isfinite(numbers).all() or min(self.roof_size_px) <= 0:
+            raise InputError(f"ColourModel {self.label!r}: sizes must be finite and positive, got {numbers}")
+        moments = [value for pair in self.anchor_moments_px2.values() for value in pair]
+        if not moments or not np.isfinite(moments).all() or min(moments) <= 0:
+            raise InputError(f"ColourModel {self.label!r}: anchor_moments_px2 must hold finite positive pairs")
+
+
+@dataclass(frozen=True, eq=False)
+class ColourModels:
+    """The models of all colours, labels unique."""
+
+    models: tuple[ColourModel, ...]
+
+    def __post_init__(self) -> None:
+        labels = [model.label for model in self.models]
+        if not labels:
+            raise InputError("ColourModels: there is no model in it; learn one with `gantry learn`")
+        if len(set(labels)) != len(labels):
+            raise InputError(f"ColourModels: labels must be unique, got {labels}")
+
+    def save(self, path: Path) -> None:
+        """Write to a JSON file."""
+        path.write_bytes(msgspec.json.format(msgspec.json.encode(self, enc_hook=_encode), indent=0) + b"\n")
+
+    @classmethod
+    def load(cls, path: Path) -> "ColourModels":
+        """Read from a JSON file; InputError names the file and what is wrong in it."""
+        try:
+            return msgspec.json.decode(path.read_bytes(), type=cls, dec_hook=_decode)
+        except OSError as error:
+            raise InputError(f"{path}: cannot be read as colour models: {error.strerror}") from error
+        except (msgspec.MsgspecError, InputError) as error:
+            raise InputError(f"{path}: these are no colour models: {error}") from error
+
+
+def _encode(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return np.round(value, 1).tolist()
+    raise NotImplementedError(f"{type(value).__name__} has no JSON form")
+
+
+def _decode(_: type, value: Any) -> FloatArray:
+    return frozen_array(value, name="histogram", shape=SHAPE)

@@ -1,0 +1,213 @@
+"""Plane curves of track, parametrised by arc length: lines, arcs and clothoids as one thing, the ``Bend``."""
+
+from bisect import bisect_right
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from itertools import accumulate
+from math import atan2, ceil, cos, hypot, isfinite, pi, sin, sqrt, tau
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contracts import FloatArray, InputError
+
+# Gauss-Legendre nodes on [0, 1]: exact to rounding for the position on a bend that turns by up to a full circle.
+_ROOTS, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+_NODES = (_ROOTS + 1.0) / 2.0
+_NODE_WEIGHTS = _WEIGHTS / 2.0
+
+
+def wrapped(angle_rad: float) -> float:
+    """The same angle in (-pi, pi]."""
+    return pi - (pi - angle_rad) % tau
+
+
+@dataclass(frozen=True)
+class Pose2:
+    """A point of the ground with a direction: world metres, radians counter-clockwise from east."""
+
+    x_m: float
+    y_m: float
+    heading_rad: float
+
+    def reversed(self) -> "Pose2":
+        """The same point, looking back; heading in (-pi, pi]."""
+        return Pose2(self.x_m, self.y_m, wrapped(self.heading_rad + pi))
+
+    def offset(self, forward_m: float, left_m: float) -> tuple[float, float]:
+        """World x, y of the point so far ahead and to the left."""
+        c, s = cos(self.heading_rad), sin(self.heading_rad)
+        return self.x_m + c * forward_m - s * left_m, self.y_m + s * forward_m + c * left_m
+
+
+@dataclass(frozen=True)
+class Bend:
+    """A piece of track whose curvature grows linearly: a line (0, 0), an arc (k, k), a clothoid (0, k).
+
+    Curvatures in 1/m, positive to the left. A bend turns by a full circle at most.
+    """
+
+    length_m: float
+    start_curvature_per_m: float = 0.0
+    end_curvature_per_m: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (isfinite(self.length_m) and self.length_m > 0):
+            raise InputError(f"a bend of {self.length_m} m has no length; give a positive one")
+        if not abs(self.turn_rad) <= tau:
+            raise InputError(f"a bend that turns by {self.turn_rad:.3f} rad goes round more than once; split it")
+
+    @property
+    def turn_rad(self) -> float:
+        """Change of heading from start to end."""
+        return self.length_m * (self.start_curvature_per_m + self.end_curvature_per_m) / 2.0
+
+    def curvature_at(self, along_m: ArrayLike) -> FloatArray:
+        """Curvature in 1/m after ``along_m`` metres."""
+        share = np.asarray(along_m, dtype=np.float64) / self.length_m
+        return self.start_curvature_per_m + (self.end_curvature_per_m - self.start_curvature_per_m) * share
+
+    def poses_from(self, start: Pose2, along_m: ArrayLike) -> FloatArray:
+        """Poses (..., 3) x, y, heading after ``along_m`` metres (...) from ``start``: integral of the unit tangent."""
+        along = np.asarray(along_m, dtype=np.float64)
+        nodes = along[..., None] * _NODES  # (..., K)
+        tangents = np.exp(1j * self._headings(start, nodes))
+        shift = along * (tangents @ _NODE_WEIGHTS)
+        return np.stack([start.x_m + shift.real, start.y_m + shift.imag, self._headings(start, along)], axis=-1)
+
+    def _headings(self, start: Pose2, along: FloatArray) -> FloatArray:
+        growth = (self.end_curvature_per_m - self.start_curvature_per_m) / self.length_m
+        headings: FloatArray = start.heading_rad + along * (self.start_curvature_per_m + along * growth / 2.0)
+        return headings
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Bends one after the other from ``start``; the heading runs on without a jump and is not wrapped."""
+
+    start: Pose2
+    bends: tuple[Bend, ...]
+    _offsets_m: tuple[float, ...] = field(init=False, repr=False, compare=False)  # start of each bend, and the end
+    _joints: tuple[Pose2, ...] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if not self.bends:
+            raise InputError("a curve needs at least one bend")
+        joints = [self.start]
+        for bend in self.bends:
+            joints.append(Pose2(*bend.poses_from(joints[-1], bend.length_m).tolist()))
+        object.__setattr__(self, "_joints", tuple(joints))
+        object.__setattr__(self, "_offsets_m", tuple(accumulate((b.length_m for b in self.bends), initial=0.0)))
+
+    @property
+    def length_m(self) -> float:
+        """Length along the curve."""
+        return self._offsets_m[-1]
+
+    @property
+    def end(self) -> Pose2:
+        """Pose at the far end."""
+        return self._joints[-1]
+
+    @property
+    def min_radius_m(self) -> float:
+        """Least radius anywhere; infinite for a straight line."""
+        ends = [abs(k) for bend in self.bends for k in (bend.start_curvature_per_m, bend.end_curvature_per_m)]
+        return 1.0 / max(ends) if max(ends) > 0 else float("inf")
+
+    def pose_at(self, offset_m: float) -> Pose2:
+        """Pose ``offset_m`` metres along the curve; InputError off its ends."""
+        return Pose2(*self.poses_at(offset_m).tolist())
+
+    def poses_at(self, offsets_m: ArrayLike) -> FloatArray:
+        """Poses (..., 3) x, y, heading at ``offsets_m`` (...); InputError off the ends."""
+        offsets = np.asarray(offsets_m, dtype=np.float64)
+        if offsets.ndim == 0:  # the simulator's case, one point at a time, without the masks below
+            index = self._bend_index(float(offsets))
+            return self.bends[index].poses_from(self._joints[index], offsets - self._offsets_m[index])
+        poses = np.empty((*offsets.shape, 3))
+        indices = np.array([self._bend_index(offset) for offset in offsets.ravel().tolist()], dtype=int)
+        for index in np.unique(indices):
+            here = (indices == index).reshape(offsets.shape)
+            poses[here] = self.bends[index].poses_from(self._joints[index], offsets[here] - self._offsets_m[index])
+        return poses
+
+    def curvature_at(self, offset_m: float) -> float:
+        """Curvature in 1/m, positive to the left; where it jumps, that of the bend that begins there."""
+        index = self._bend_index(offset_m)
+        return float(self.bends[index].curvature_at(offset_m - self._offsets_m[index]))
+
+    def points(self, step_m: float) -> FloatArray:
+        """Points (N, 2) at equal distances of at most ``step_m``, both ends included."""
+        if not step_m > 0:
+            raise InputError(f"step_m = {step_m} must be positive")
+        return self.poses_at(np.linspace(0.0, self.length_m, ceil(self.length_m / step_m) + 1))[:, :2]
+
+    def _bend_index(self, offset_m: float) -> int:
+        if not 0.0 <= offset_m <= self.length_m:
+            raise InputError(f"offset {offset_m:.6f} m lies off the curve, which is {self.length_m:.6f} m long")
+        return min(bisect_right(self._offsets_m, offset_m), len(self.bends)) - 1
+
+
+def line(length_m: float) -> tuple[Bend, ...]:
+    """Straight track."""
+    return (Bend(length_m),)
+
+
+def turn(angle_rad: float, radius_m: float, ease_m: float = 0.0) -> tuple[Bend, ...]:
+    """An arc to the left (positive angle) or right, with a clothoid of ``ease_m`` at either end if that is positive.
+
+    The clothoids take their share of the angle, so the whole turns by ``angle_rad``.
+    """
+    if not (radius_m > 0 and ease_m >= 0 and angle_rad != 0):
+        raise InputError(
+            f"a turn needs an angle, a positive radius and no negative ease: {angle_rad}, {radius_m}, {ease_m}"
+        )
+    arc_m = abs(angle_rad) * radius_m - ease_m
+    if arc_m <= 0:
+        raise InputError(f"ease_m = {ease_m} is too long for a turn of {abs(angle_rad):.3f} rad at {radius_m} m radius")
+    k = 1.0 / radius_m if angle_rad > 0 else -1.0 / radius_m
+    if ease_m == 0:
+        return (Bend(arc_m, k, k),)
+    return Bend(ease_m, 0.0, k), Bend(arc_m, k, k), Bend(ease_m, k, 0.0)
+
+
+def shift(left_m: float, radius_m: float) -> tuple[Bend, ...]:
+    """A pair of equal arcs on to the parallel track ``left_m`` to the left (negative: right)."""
+    if not 0 < abs(left_m) < 2 * radius_m:
+        raise InputError(f"a shift by {left_m} m takes a radius above {abs(left_m) / 2} m and not {radius_m} m")
+    cosine = 1.0 - abs(left_m) / (2.0 * radius_m)
+    angle = atan2(sqrt(1.0 - cosine * cosine), cosine)
+    k = 1.0 / radius_m if left_m > 0 else -1.0 / radius_m
+    return Bend(angle * radius_m, k, k), Bend(angle * radius_m, -k, -k)
+
+
+def biarc(start: Pose2, end: Pose2) -> tuple[Bend, ...]:
+    """Two arcs from ``start`` to ``end`` that meet without a kink; a straight line if the poses are in line.
+
+    Source: Bolton 1975, Biarc curves, with equal tangent lengths.
+    """
+    v = np.array([end.x_m - start.x_m, end.y_m - start.y_m])
+    t1 = np.array([cos(start.heading_rad), sin(start.heading_rad)])
+    t2 = np.array([cos(end.heading_rad), sin(end.heading_rad)])
+    along, square = float(v @ (t1 + t2)), float(v @ v)
+    denominator = along + sqrt(max(0.0, along * along + 2.0 * (1.0 - float(t1 @ t2)) * square))
+    if square == 0.0 or denominator <= 1e-9 * sqrt(square):
+        raise InputError(f"no pair of arcs leads from {start} to {end}")
+    tangent_m = square / denominator
+    first = v / 2.0 + tangent_m * (t1 - t2) / 2.0  # from the start to the meeting point
+    return _arc(first, t1, from_start=True), _arc(v - first, t2, from_start=False)
+
+
+def _arc(chord: FloatArray, tangent: FloatArray, *, from_start: bool) -> Bend:
+    """The arc over ``chord`` that has ``tangent`` at its start, or at its end."""
+    cross = float(tangent[0] * chord[1] - tangent[1] * chord[0]) * (1.0 if from_start else -1.0)
+    half_turn = atan2(cross, float(tangent @ chord))
+    chord_m = hypot(*chord)
+    k = 2.0 * sin(half_turn) / chord_m
+    return Bend(chord_m / float(np.sinc(half_turn / pi)), k, k)
+
+
+def joined(start: Pose2, pieces: Iterable[tuple[Bend, ...]]) -> Curve:
+    """The curve that runs through all ``pieces`` from ``start``."""
+    return Curve(start, tuple(bend for piece in pieces for bend in piece))

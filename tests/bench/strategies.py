@@ -199,15 +199,15 @@ def steps_with_frames(draw, names=("west",), index=0, time_ns=0):
 
 
 @st.composite
-def runs(draw, max_steps=3):
+def runs(draw, min_steps=0, min_cameras=0):
     """A Recording and its frames, one tuple of them per step."""
-    names = tuple(draw(st.lists(NAMES, max_size=2, unique=True)))
+    names = tuple(draw(st.lists(NAMES, min_size=min_cameras, max_size=2, unique=True)))
     start, period = draw(st.integers(0, 2**40)), draw(st.integers(1, 10**9))
-    count = draw(st.integers(0, max_steps))
+    count = draw(st.integers(min_steps, 3))
     moments = [draw(steps_with_frames(names, index, start + index * period)) for index in range(count)]
     manifest = draw(manifests(names))
     return Recording(manifest, tuple(step for step, _ in moments)), tuple(images for _, images in moments)
 
 
-def recordings(max_steps=3):
-    return runs(max_steps).map(lambda run: run[0])
+def recordings(**kwargs):
+    return runs(**kwargs).map(lambda run: run[0])

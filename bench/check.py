@@ -58,14 +58,15 @@ class _BrokenLawError(Exception):
 
 
 def _check(factory: Callable[[], object], protocol: type, answer: type, act: Act) -> list[Finding]:
+    def answer_hash(subject: object, scene: Scene) -> str:
+        return value_hash(_answer(subject, scene, act, answer))
+
     made = _findings(_made(factory, protocol))
     if made:
         return made
     findings = _findings(_laws(factory, street(), act, answer))
     if not findings:
-        findings += _findings(
-            _repeats(factory, lambda scene, subject: value_hash(_answer(subject, scene, act, answer)))
-        )
+        findings += _findings(_repeats(factory, answer_hash))
     for scenes in strange_scenes():
         findings += _findings(_laws(factory, scenes, act, answer))
     return list(dict.fromkeys(findings))

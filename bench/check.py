@@ -12,7 +12,7 @@ import numpy as np
 
 from bench.check_frames import Scene, strange_scenes, street
 from bench.ledger import value_hash
-from bench.plugins import require_methods
+from bench.plugins import load_factory, require_methods
 from contracts import Detections, Detector, InputError, Perceiver, Tracker, Tracks
 
 Act = Callable[[Any, Scene], object]
@@ -24,6 +24,9 @@ class Finding:
 
     law: str
     sentence: str
+
+    def __str__(self) -> str:
+        return f"{self.law}: {self.sentence}"
 
 
 def check_detector(factory: Callable[[], Detector]) -> list[Finding]:
@@ -39,6 +42,17 @@ def check_tracker(factory: Callable[[], Tracker]) -> list[Finding]:
 def check_perceiver(factory: Callable[[], Perceiver]) -> list[Finding]:
     """Broken laws of the perceiver that ``factory`` makes; empty if all hold."""
     return _check(factory, Perceiver, Tracks, lambda perceiver, scene: perceiver.perceive(scene.frame))
+
+
+def check_plugin(stage: str, path: str) -> list[Finding]:
+    """Broken laws of the plug-in at ``path`` as a ``"detector"``, ``"tracker"`` or ``"perceiver"``.
+
+    Raises InputError if there is no such stage or plug-in.
+    """
+    if stage not in KITS:
+        raise InputError(f"there is no contract for {stage!r}, only for {', '.join(KITS)}")
+    protocol, check = KITS[stage]
+    return check(load_factory(path, protocol))
 
 
 KITS: dict[str, tuple[type, Callable[[Callable[[], Any]], list[Finding]]]] = {

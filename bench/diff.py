@@ -28,8 +28,7 @@ class Difference:
     camera: str
     manifest: tuple[str, ...]
 
-    def sentence(self) -> str:
-        """The difference in plain words."""
+    def __str__(self) -> str:
         told = f"; their manifests differ in {', '.join(self.manifest)}" if self.manifest else ""
         if self.index is None:
             return f"All frames are equal{told}."

@@ -9,14 +9,12 @@ import numpy as np
 from bench.codec import encode
 from bench.recording import LedgerEntry
 from contracts import Frame, GroundTracks, Tracks
-from contracts.truth import Truth
+from contracts.truth import Step, Truth
 
 
-def ledger_entries(
-    truth: Truth | None, frames: Sequence[Frame], tracks: Sequence[Tracks], views: Sequence[GroundTracks]
-) -> tuple[LedgerEntry, ...]:
-    """One entry per frame of a step; ``tracks`` and ``views`` may lack a camera."""
-    state = state_hash(truth) if truth else ""
+def ledger_of(step: Step, tracks: Sequence[Tracks], views: Sequence[GroundTracks]) -> tuple[LedgerEntry, ...]:
+    """One entry per frame of ``step``; ``tracks`` and ``views`` may lack a camera."""
+    state = state_hash(step.truth) if step.truth else ""
     tracks_by_camera = {one.objects.camera: one for one in tracks}
     views_by_camera = {one.source: one for one in views}
     return tuple(
@@ -28,7 +26,7 @@ def ledger_entries(
             tracks=_value_hash(tracks_by_camera.get(frame.camera)),
             ground=_value_hash(views_by_camera.get(frame.camera)),
         )
-        for frame in frames
+        for frame in step.frames
     )
 
 

@@ -5,10 +5,11 @@ import importlib
 import importlib.metadata
 import inspect
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from contracts import Detector, Fuser, InputError, Locator, Perceiver, Tracker
+from contracts import Detector, Fuser, GantryError, InputError, Locator, Perceiver, Tracker
 
 GROUPS: dict[type, str] = {
     Detector: "gantry.detectors",
@@ -20,19 +21,35 @@ GROUPS: dict[type, str] = {
 """Entry-point group in which packages announce implementations of each protocol."""
 
 
-def load_object(name: str, *, protocol: type | None = None) -> Any:
-    """The class or factory that ``name`` stands for: ``package.module:Name`` or an entry point's short name.
+def load_object(name: str, protocol: type) -> Any:
+    """A fresh stage, made without arguments by what ``name`` stands for: see ``load_factory``.
 
-    protocol: what the thing makes; a class that lacks one of its methods is refused. (A factory function can only be
-        judged by what it returns: see ``require_methods``.)
+    Raises InputError if it cannot be found or made, or lacks a method of ``protocol``.
+    """
+    factory = load_factory(name, protocol)
+    try:
+        stage = factory()
+    except GantryError:
+        raise
+    except Exception as error:  # the author's code may fail in any way; say where, keep the cause
+        raise InputError(f"{name} cannot be made without arguments: {type(error).__name__}: {error}") from error
+    require_methods(stage, protocol, name=name)
+    return stage
+
+
+def load_factory(name: str, protocol: type) -> Callable[..., Any]:
+    """The class or function that ``name`` stands for: ``package.module:Name`` or an entry point's short name.
+
+    protocol: what it makes; a class that lacks one of its methods is refused at once.
     Raises InputError saying what is missing.
     """
     target = _from_path(name) if ":" in name else _from_entry_point(name, protocol)
     if not callable(target):
         raise InputError(f"{name} is a {type(target).__name__}, not a class or function that could be called")
-    if protocol is not None and inspect.isclass(target):
+    if inspect.isclass(target):
         require_methods(target, protocol, name=name)
-    return target
+    factory: Callable[..., Any] = target
+    return factory
 
 
 def require_methods(thing: object, protocol: type, *, name: str) -> None:
@@ -79,11 +96,10 @@ def _near(target: object, attribute: str) -> str:
     return f"; did you mean {near[0]!r}?" if near else ""
 
 
-def _from_entry_point(name: str, protocol: type | None) -> Any:
-    groups = GROUPS.values() if protocol is None else [GROUPS[protocol]]
-    found = [point for group in groups for point in importlib.metadata.entry_points(group=group, name=name)]
+def _from_entry_point(name: str, protocol: type) -> Any:
+    found = list(importlib.metadata.entry_points(group=GROUPS[protocol], name=name))
     if not found:
-        offered = short_names(protocol) if protocol else ()
+        offered = short_names(protocol)
         raise InputError(
             f"nothing is called {name!r}; give a path such as my_pkg.mod:Mine"
             + (f" or one of: {', '.join(offered)}" if offered else "")

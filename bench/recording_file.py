@@ -22,7 +22,7 @@ from contracts.ground import FUSED
 from contracts.truth import Truth
 
 T = TypeVar("T")
-FILE_NAME = "run.mcap"
+RECORDING_NAME = "run.mcap"
 _PNG_FAST = (cv2.IMWRITE_PNG_COMPRESSION, 1)  # more effort costs time and hardly saves space
 
 
@@ -59,7 +59,7 @@ class Recorder:
     """
 
     def __init__(self, directory: Path | str, manifest: Manifest, *, keep_frames: bool = False) -> None:
-        self._path = Path(directory) / FILE_NAME
+        self._path = Path(directory) / RECORDING_NAME
         self._partial = self._path.with_suffix(".mcap.part")
         self._manifest = manifest
         self._keep_frames = keep_frames
@@ -160,7 +160,7 @@ def load_frames(directory: Path | str, camera: str) -> Iterator[Frame]:
 def recording_path(directory: Path | str) -> Path:
     """The recording's file in ``directory``. Raises InputError if there is none or it is empty."""
     path = Path(directory)
-    path = path if path.suffix == ".mcap" else path / FILE_NAME
+    path = path if path.suffix == ".mcap" else path / RECORDING_NAME
     if not path.is_file():
         raise InputError(f"{path} does not exist; `gantry run SCENARIO --out {path.parent}` makes a recording")
     if path.stat().st_size == 0:

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from bench.ledger import ledger_entries
+from bench.ledger import ledger_of
 from bench.recording import Manifest, RecordedStep, Recording
 from contracts import (
     Camera,
@@ -21,7 +21,7 @@ from contracts import (
     Tracks,
 )
 from contracts.ground import FUSED
-from contracts.truth import CameraTruth, Place, Truth
+from contracts.truth import CameraTruth, Place, Step, Truth
 from georef.calibrated import PARAMETERS, CalibratedCamera
 
 NAMES = st.text(st.characters(codec="utf-8", exclude_characters="/"), min_size=1, max_size=8).filter(
@@ -194,7 +194,7 @@ def steps_with_frames(draw, names=("west",), index=0, time_ns=0):
     seen = tuple(draw(tracks(name, index, time_ns)) for name in names)
     views = tuple(draw(ground_tracks(name, time_ns)) for name in names)
     fused = draw(ground_tracks(FUSED, time_ns))
-    entries = ledger_entries(truth, images, seen, views)
+    entries = ledger_of(Step(images, truth), seen, views)
     return RecordedStep(index, time_ns, truth, seen, views, fused, entries), images
 
 

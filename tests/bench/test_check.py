@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 import pytest
 
-from bench.check import KITS, check_detector, check_perceiver, check_tracker
+from bench.check import KITS, check_detector, check_perceiver, check_plugin, check_tracker
 from bench.check_frames import COLOURS_BGR
-from contracts import Detections, Tracks
+from contracts import Detections, InputError, Tracks
 
 
 class Blocks:
@@ -198,3 +198,13 @@ def test_an_answer_of_the_wrong_kind_is_found():
             return None
 
     assert "It answered NoneType" in check_detector(Silent)[0].sentence
+
+
+def test_a_plug_in_is_checked_by_its_path():
+    (finding,) = check_plugin("detector", "builtins:print")
+    assert str(finding) == "methods: NoneType is no Detector: it lacks detect() and reset()."
+
+
+def test_a_stage_without_a_contract_is_refused():
+    with pytest.raises(InputError, match="no contract for 'renderer', only for detector, tracker, perceiver"):
+        check_plugin("renderer", "builtins:print")

@@ -4,8 +4,9 @@ import pytest
 from hypothesis import assume, given, settings
 
 from bench.diff import STAGES, Difference, first_difference
-from bench.ledger import image_hash, ledger_entries, state_hash
+from bench.ledger import image_hash, ledger_of, state_hash
 from contracts import Frame
+from contracts.truth import Step
 from tests.bench import strategies
 
 
@@ -61,7 +62,7 @@ def test_manifests_are_compared_too(recording):
     other = replace(recording, manifest=replace(recording.manifest, seed=recording.manifest.seed + 1, title="?" * 9))
     found = first_difference(recording, other)
     assert found == Difference(None, "manifest", "", ("title", "seed"))
-    assert found.sentence() == "All frames are equal; their manifests differ in title, seed."
+    assert str(found) == "All frames are equal; their manifests differ in title, seed."
 
 
 @pytest.mark.parametrize(
@@ -76,7 +77,7 @@ def test_manifests_are_compared_too(recording):
     ],
 )
 def test_a_difference_is_told_in_a_sentence(difference, sentence):
-    assert difference.sentence() == sentence
+    assert str(difference) == sentence
 
 
 @settings(max_examples=20)
@@ -97,6 +98,6 @@ def test_an_image_of_the_same_bytes_but_another_size_is_another_image(frame):
 @settings(max_examples=10)
 @given(strategies.truths(("west",)), strategies.frames())
 def test_a_stage_that_left_nothing_has_no_hash(truth, frame):
-    (entry,) = ledger_entries(truth, [frame], [], [])
+    (entry,) = ledger_of(Step((frame,), truth), [], [])
     assert (entry.tracks, entry.ground) == ("", "")
-    assert ledger_entries(None, [frame], [], [])[0].state == ""
+    assert ledger_of(Step((frame,), None), [], [])[0].state == ""

@@ -3,7 +3,7 @@ import sys
 
 import pytest
 
-from bench.plugins import load_object, require_methods, short_names
+from bench.plugins import load_factory, load_object, require_methods, short_names
 from contracts import Detector, InputError, Tracker
 
 GOOD = """
@@ -16,6 +16,9 @@ class Outer:
     Inner = Mine
 def make(): return Mine()
 NUMBER = 3
+def nothing(): return None
+class Needy(Mine):
+    def __init__(self, model): ...
 """
 
 
@@ -34,15 +37,15 @@ def package(tmp_path, monkeypatch):
 
 
 def test_a_class_is_found_by_its_path(package):
-    assert load_object("plug.good:Mine", protocol=Detector).__name__ == "Mine"
+    assert load_factory("plug.good:Mine", Detector).__name__ == "Mine"
 
 
 def test_a_nested_name_is_found(package):
-    assert load_object("plug.good:Outer.Inner", protocol=Detector).__name__ == "Mine"
+    assert load_factory("plug.good:Outer.Inner", Detector).__name__ == "Mine"
 
 
 def test_a_function_may_make_the_stage(package):
-    assert load_object("plug.good:make", protocol=Detector)().__class__.__name__ == "Mine"
+    assert type(load_object("plug.good:make", Detector)).__name__ == "Mine"
 
 
 @pytest.mark.parametrize(
@@ -55,6 +58,8 @@ def test_a_function_may_make_the_stage(package):
         (":Mine", "names no module"),
         ("plug.good:NUMBER", "is a int, not a class or function"),
         ("plug.good:Half", r"plug.good:Half is no Detector: it lacks reset\(\)"),
+        ("plug.good:Needy", r"plug.good:Needy cannot be made without arguments: TypeError: .*'model'"),
+        ("plug.good:nothing", r"plug.good:nothing is no Detector: it lacks detect\(\) and reset\(\)"),
         ("plug.broken:Mine", "importing plug.broken fails: ZeroDivisionError"),
         ("plug.needy:Mine", "plug.needy needs the module 'surely_not_installed', which is not installed"),
         ("mine", "nothing is called 'mine'; give a path such as"),
@@ -62,7 +67,7 @@ def test_a_function_may_make_the_stage(package):
 )
 def test_what_is_wrong_is_said(package, name, message):
     with pytest.raises(InputError, match=message):
-        load_object(name, protocol=Detector)
+        load_object(name, Detector)
 
 
 def test_an_entry_point_is_found_by_its_short_name(package, monkeypatch):
@@ -71,10 +76,10 @@ def test_an_entry_point_is_found_by_its_short_name(package, monkeypatch):
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: plug\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text("[gantry.detectors]\nmine = plug.good:Mine\n")
     importlib.invalidate_caches()
-    assert load_object("mine", protocol=Detector).__name__ == "Mine"
+    assert load_factory("mine", Detector).__name__ == "Mine"
     assert "mine" in short_names(Detector)
     with pytest.raises(InputError, match="nothing is called 'mine'"):
-        load_object("mine", protocol=Tracker)
+        load_object("mine", Tracker)
 
 
 def test_missing_methods_are_listed_in_order():

@@ -8,10 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bench.ledger import ledger_entries
+from bench.ledger import ledger_of
 from bench.recording import Manifest, RecordedStep, Recording
-from bench.recording_file import FILE_NAME, Recorder, load_frames, load_recording
+from bench.recording_file import RECORDING_NAME, Recorder, load_frames, load_recording
 from contracts import Detections, Frame, GroundTracks, InputError, Tracks
+from contracts.truth import Step
 from tests.bench import strategies
 from tests.bench.equality import same
 
@@ -39,14 +40,14 @@ def noisy_run(steps):
         tracks = (Tracks([], Detections.empty("west", k, 10 * k)),)
         view = GroundTracks("west", 10 * k, [], (), [], [], [])
         fused = GroundTracks("fused", 10 * k, [], (), [], [], [])
-        ledger = ledger_entries(None, frames, tracks, (view,))
+        ledger = ledger_of(Step(frames, None), tracks, (view,))
         moments.append((RecordedStep(k, 10 * k, None, tracks, (view,), fused, ledger), frames))
     return Recording(plain_manifest(), tuple(m[0] for m in moments)), tuple(m[1] for m in moments)
 
 
 @pytest.fixture(scope="module")
 def long_file(tmp_path_factory):
-    return record(tmp_path_factory.mktemp("long"), noisy_run(200), keep_frames=True) / FILE_NAME
+    return record(tmp_path_factory.mktemp("long"), noisy_run(200), keep_frames=True) / RECORDING_NAME
 
 
 @settings(max_examples=25, deadline=None)
@@ -70,7 +71,7 @@ def test_frames_are_read_back_to_the_pixel(run):
 
 
 def test_another_reader_finds_the_topics_in_json(tmp_path):
-    path = record(tmp_path, noisy_run(2), keep_frames=True) / FILE_NAME
+    path = record(tmp_path, noisy_run(2), keep_frames=True) / RECORDING_NAME
     with path.open("rb") as stream:
         found = {
             channel.topic: (schema.name, schema.encoding, channel.message_encoding)
@@ -94,10 +95,10 @@ def test_a_failed_run_leaves_nothing(tmp_path):
 
 def test_a_failed_run_leaves_the_earlier_recording_alone(tmp_path):
     earlier = record(tmp_path, noisy_run(1))
-    before = (earlier / FILE_NAME).read_bytes()
+    before = (earlier / RECORDING_NAME).read_bytes()
     with pytest.raises(RuntimeError, match="lost"), Recorder(tmp_path, plain_manifest()):
         raise RuntimeError("lost")
-    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {FILE_NAME: before}
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {RECORDING_NAME: before}
 
 
 def test_a_directory_that_is_a_file_is_refused(tmp_path):
@@ -124,7 +125,7 @@ def test_a_missing_recording_is_named(tmp_path):
 
 
 def test_an_empty_recording_is_named(tmp_path):
-    (tmp_path / FILE_NAME).touch()
+    (tmp_path / RECORDING_NAME).touch()
     with pytest.raises(InputError, match=r"run\.mcap is empty"):
         load_recording(tmp_path)
 
@@ -132,13 +133,13 @@ def test_an_empty_recording_is_named(tmp_path):
 @given(st.binary(min_size=1, max_size=64))
 def test_a_file_that_is_no_mcap_is_named(data):
     with tempfile.TemporaryDirectory() as directory:
-        (Path(directory) / FILE_NAME).write_bytes(data)
+        (Path(directory) / RECORDING_NAME).write_bytes(data)
         with pytest.raises(InputError, match=r"run\.mcap is no MCAP file"):
             load_recording(directory)
 
 
 def test_an_mcap_file_of_another_tool_is_named(tmp_path):
-    writer = mcap.writer.Writer(str(tmp_path / FILE_NAME))
+    writer = mcap.writer.Writer(str(tmp_path / RECORDING_NAME))
     writer.start()
     writer.finish()
     with pytest.raises(InputError, match="no recording of Gantry"):
@@ -150,7 +151,7 @@ def test_an_mcap_file_of_another_tool_is_named(tmp_path):
 def test_a_cut_file_is_refused_but_its_whole_steps_can_be_saved(long_file, share):
     data = long_file.read_bytes()
     with tempfile.TemporaryDirectory() as directory:
-        (Path(directory) / FILE_NAME).write_bytes(data[: int(share * len(data))])
+        (Path(directory) / RECORDING_NAME).write_bytes(data[: int(share * len(data))])
         with pytest.raises(InputError, match=r"run\.mcap is (cut short|no MCAP file|damaged)"):
             load_recording(directory)
         try:
@@ -169,7 +170,7 @@ def test_a_flipped_bit_never_passes_for_other_data(long_file, share, bit):
     data[int(share * len(data))] ^= 1 << bit
     whole = load_recording(long_file)
     with tempfile.TemporaryDirectory() as directory:
-        (Path(directory) / FILE_NAME).write_bytes(data)
+        (Path(directory) / RECORDING_NAME).write_bytes(data)
         try:
             read = load_recording(directory)
         except InputError:

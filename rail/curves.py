@@ -67,6 +67,15 @@ class Bend:
         share = np.asarray(along_m, dtype=np.float64) / self.length_m
         return self.start_curvature_per_m + (self.end_curvature_per_m - self.start_curvature_per_m) * share
 
+    def pose_from(self, start: Pose2, along_m: float) -> Pose2:
+        """Pose after ``along_m`` metres from ``start``; in closed form, fast, where the curvature is constant."""
+        if self.start_curvature_per_m != self.end_curvature_per_m:
+            return Pose2(*self.poses_from(start, along_m).tolist())
+        half_turn = self.start_curvature_per_m * along_m / 2.0
+        chord_m = along_m * sin(half_turn) / half_turn if half_turn else along_m
+        x_m, y_m = Pose2(start.x_m, start.y_m, start.heading_rad + half_turn).offset(chord_m, 0.0)
+        return Pose2(x_m, y_m, start.heading_rad + 2.0 * half_turn)
+
     def poses_from(self, start: Pose2, along_m: ArrayLike) -> FloatArray:
         """Poses (..., 3) x, y, heading after ``along_m`` metres (...) from ``start``: integral of the unit tangent."""
         along = np.asarray(along_m, dtype=np.float64)
@@ -95,7 +104,7 @@ class Curve:
             raise InputError("a curve needs at least one bend")
         joints = [self.start]
         for bend in self.bends:
-            joints.append(Pose2(*bend.poses_from(joints[-1], bend.length_m).tolist()))
+            joints.append(bend.pose_from(joints[-1], bend.length_m))
         object.__setattr__(self, "_joints", tuple(joints))
         object.__setattr__(self, "_offsets_m", tuple(accumulate((b.length_m for b in self.bends), initial=0.0)))
 
@@ -117,14 +126,12 @@ class Curve:
 
     def pose_at(self, offset_m: float) -> Pose2:
         """Pose ``offset_m`` metres along the curve; InputError off its ends."""
-        return Pose2(*self.poses_at(offset_m).tolist())
+        index = self._bend_index(offset_m)
+        return self.bends[index].pose_from(self._joints[index], offset_m - self._offsets_m[index])
 
     def poses_at(self, offsets_m: ArrayLike) -> FloatArray:
         """Poses (..., 3) x, y, heading at ``offsets_m`` (...); InputError off the ends."""
         offsets = np.asarray(offsets_m, dtype=np.float64)
-        if offsets.ndim == 0:  # the simulator's case, one point at a time, without the masks below
-            index = self._bend_index(float(offsets))
-            return self.bends[index].poses_from(self._joints[index], offsets - self._offsets_m[index])
         poses = np.empty((*offsets.shape, 3))
         indices = np.array([self._bend_index(offset) for offset in offsets.ravel().tolist()], dtype=int)
         for index in np.unique(indices):

@@ -15,9 +15,13 @@ FUSED = "fused"
 
 @dataclass(frozen=True, eq=False)
 class MatchedFrame:
-    """One frame of one source with its truth and the matching between them."""
+    """One frame of one source with its truth and the matching between them.
+
+    fractions: (N,) how much of each object the source can see.
+    """
 
     truth: Truth
+    fractions: FloatArray
     ground: GroundTracks
     matching: Matching
 
@@ -129,7 +133,7 @@ def _views(steps: tuple[RecordedStep, ...], camera: str) -> Iterator[tuple[Truth
 def _matched(truth: Truth, ground: GroundTracks, fractions: FloatArray, gate_m: float) -> MatchedFrame:
     estimates_m = np.where(ground.valid[:, None], ground.positions_m, np.nan)  # (M, 2)
     matching = match(truth.positions_m[:, :2], estimates_m, fractions=fractions, gate_m=gate_m)
-    return MatchedFrame(truth, ground, matching)
+    return MatchedFrame(truth, fractions, ground, matching)
 
 
 def gather(frames: tuple[MatchedFrame, ...]) -> Hits:

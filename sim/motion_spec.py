@@ -90,7 +90,7 @@ class VehicleSpec:
 class TimedEvent:
     """A command at a moment: either ``switch`` and ``set``, or ``vehicle`` and one of ``speed_mps`` and ``do``.
 
-    at_s: seconds since the start of the run; it takes effect at the end of the motion's internal step.
+    at_s: seconds since the start of the run; it takes effect when the next internal step of the motion begins.
     do: ``"stop"``, or ``"reverse"``: brake and go back the other way at the speed commanded before.
     """
 

@@ -17,6 +17,7 @@ MAX_KINK_DEG = 0.1
 PARTING_M = 0.15  # so far from the toe the branches are compared to tell left from right
 SPOT_BACK_M = 0.02  # the notch's spot lies so far before the toe
 SPOT_ASIDE_M = 0.045  # and so far beside the track's centre line: clear of a vehicle 60 mm wide
+SPOT_CLEARANCE_M = 0.04
 CODES = 1 << 16
 
 
@@ -24,8 +25,8 @@ def build_plant(spec: PlantSpec, name: str) -> Plant:
     """The plant that ``spec`` describes.
 
     Raises InputError, naming the items and sizes, for unknown names, circular placement, gaps above 0.1 mm, kinks above
-    0.1 degrees, curves tighter than allowed, dangling or doubly used ports, tracks that cross undeclared, duplicate or
-    impossible balise codes and balises off their section.
+    0.1 degrees, curves tighter than allowed, dangling or doubly used ports, tracks that cross undeclared, switch spots
+    in the way of vehicles, duplicate or impossible balise codes and balises off their section.
     """
     sections = _Placer(spec).sections()
     _check_radii(sections, spec.min_radius_m)
@@ -33,6 +34,7 @@ def build_plant(spec: PlantSpec, name: str) -> Plant:
     joints = _joints(spec, sections, switches)
     buffers = {id_: _buffer(id_, buffer.port, sections) for id_, buffer in spec.buffer.items()}
     _check_ports(sections, switches, joints, buffers)
+    _check_spots(switches, sections)
     points = np.concatenate([section.curve.points(0.01) for section in sections.values()])
     low, high = points.min(axis=0).tolist(), points.max(axis=0).tolist()
     return Plant(
@@ -139,7 +141,8 @@ def _switch(id_: str, spec: SwitchSpec, sections: Mapping[str, Section]) -> Swit
         _check_joint(stem, branch, sections, owner)
     toe = sections[stem.section].pose_out_of(stem.end)
     parting_m = min(PARTING_M, sections[straight.section].length_m, sections[diverging.section].length_m)
-    left_m = [_left_of(toe, _inside(sections[port.section], port.end, parting_m)) for port in (diverging, straight)]
+    inside = [_inside(sections[port.section], port.end, parting_m) for port in (diverging, straight)]
+    left_m = [toe.left_of(pose.x_m, pose.y_m) for pose in inside]
     if abs(left_m[0] - left_m[1]) < 1e-3:
         raise InputError(f"{owner}: its branches {straight} and {diverging} have not parted {parting_m} m from the toe")
     side = Side.LEFT if left_m[0] > left_m[1] else Side.RIGHT
@@ -152,9 +155,17 @@ def _inside(section: Section, end: End, distance_m: float) -> Pose2:
     return section.curve.pose_at(distance_m if end is End.START else section.length_m - distance_m)
 
 
-def _left_of(origin: Pose2, point: Pose2) -> float:
-    dx, dy = point.x_m - origin.x_m, point.y_m - origin.y_m
-    return float(np.cos(origin.heading_rad) * dy - np.sin(origin.heading_rad) * dx)
+def _check_spots(switches: Mapping[str, Switch], sections: Mapping[str, Section]) -> None:
+    """No vehicle may run over a notch."""
+    points = {id_: section.curve.points(0.01) for id_, section in sections.items()}
+    for switch in switches.values():
+        for id_, points_m in points.items():
+            distance_m = float(np.linalg.norm(points_m - switch.spot_m, axis=1).min())
+            if distance_m < SPOT_CLEARANCE_M:
+                raise InputError(
+                    f"switch {switch.id!r}: its spot stands {1e3 * distance_m:.0f} mm from section {id_!r}, in the way "
+                    "of vehicles; choose the other spot_side"
+                )
 
 
 def _joints(spec: PlantSpec, sections: Mapping[str, Section], switches: Mapping[str, Switch]) -> dict[Port, Port]:

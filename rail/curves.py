@@ -39,6 +39,10 @@ class Pose2:
         c, s = cos(self.heading_rad), sin(self.heading_rad)
         return self.x_m + c * forward_m - s * left_m, self.y_m + s * forward_m + c * left_m
 
+    def left_of(self, x_m: float, y_m: float) -> float:
+        """How far the world point lies to the left, metres; negative to the right."""
+        return cos(self.heading_rad) * (y_m - self.y_m) - sin(self.heading_rad) * (x_m - self.x_m)
+
 
 @dataclass(frozen=True)
 class Bend:

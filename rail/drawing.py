@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from html import escape
-from math import ceil, degrees, floor
+from math import ceil, cos, degrees, floor
 
 import numpy as np
 
@@ -48,7 +48,7 @@ def plant_svg(plant: Plant, *, vehicles: Iterable[VehicleMark] = ()) -> str:
     vehicles: drawn on top. A switch's straight branch begins green, its diverging one orange.
     """
     x0, y0, x1, y1 = _page(plant)
-    text_mm = max(34.0, (x1 - x0) * 1000.0 / 260.0)
+    text_mm = min(max(34.0, (x1 - x0) * 1000.0 / 260.0), 44.0)  # fits between tracks 11 cm apart
     pixels_per_m = min(_PIXELS_PER_M, _MAX_PIXELS / (x1 - x0))
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{_mm(x0)} {_mm(-y1)} {_mm(x1 - x0)} {_mm(y1 - y0)}" '
@@ -110,8 +110,9 @@ def _box(css: str, pose: Pose2, length_m: float, width_m: float, *, fill: str = 
     return f'<rect class="{css}" transform="{turn}" {size}{colour}><title>{escape(tip)}</title></rect>'
 
 
-def _text(css: str, text: str, x_m: float, y_m: float) -> str:
-    return f'<text class="{css}" x="{_mm(x_m)}" y="{_mm(-y_m)}">{escape(text)}</text>'
+def _text(css: str, text: str, x_m: float, y_m: float, angle_rad: float = 0.0) -> str:
+    turn = f"translate({_point(x_m, y_m)}) rotate({-degrees(angle_rad):.1f})"
+    return f'<text class="{css}" transform="{turn}">{escape(text)}</text>'
 
 
 def _branches(plant: Plant, switch: Switch) -> list[str]:
@@ -130,15 +131,10 @@ def _notch(switch: Switch, text_mm: float) -> list[str]:
     """The machine with its spot beside the stem, and the switch's name beyond."""
     x, y = switch.spot_m
     toe = switch.toe
-    side = 1.0 if _left_of(toe, x, y) > 0 else -1.0
+    side = 1.0 if toe.left_of(x, y) > 0 else -1.0
     name_at = toe.offset(0.0, side * (0.075 + text_mm / 2000.0))
     machine = _box("machine", Pose2(x, y, toe.heading_rad), 0.05, 0.024, tip=f"switch {switch.id}")
     return [machine, _circle("spot", x, y, SPOT_DIAMETER_M), _text("name", switch.id, *name_at)]
-
-
-def _left_of(pose: Pose2, x_m: float, y_m: float) -> float:
-    ahead = Pose2(0.0, 0.0, pose.heading_rad).offset(1.0, 0.0)
-    return ahead[0] * (y_m - pose.y_m) - ahead[1] * (x_m - pose.x_m)
 
 
 def _balise(plant: Plant, balise: Balise) -> str:
@@ -151,8 +147,10 @@ def _buffer(buffer: BufferStop) -> str:
 
 
 def _section_name(section: Section, text_mm: float) -> str:
-    pose = section.curve.pose_at(section.length_m / 2.0)
-    return _text("section", section.id, *pose.offset(0.0, 0.035 + text_mm / 2000.0))
+    """Beside the track and along it, never upside down; off the middle, where tracks like to cross."""
+    pose = section.curve.pose_at(0.44 * section.length_m)
+    reading = pose if cos(pose.heading_rad) > -1e-6 else pose.reversed()
+    return _text("section", section.id, *reading.offset(0.0, 0.03 + text_mm / 2000.0), reading.heading_rad)
 
 
 def _vehicle(vehicle: VehicleMark) -> list[str]:

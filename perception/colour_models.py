@@ -15,6 +15,11 @@ RAIL_MODELS = Path(__file__).parent / "models" / "rail.json"
 
 Range = tuple[float, float]
 
+BOTH = "both"  # both ends of a roof's axis were measured
+SINGLE = "single"  # one end was, the other follows from the learned size
+ROUGH = "rough"  # none was: the silhouette's middle
+REGIMES = (BOTH, SINGLE, ROUGH)
+
 
 @dataclass(frozen=True, eq=False)
 class ColourModel:
@@ -25,7 +30,7 @@ class ColourModel:
     area_px: least and largest area of the silhouette, roof and visible walls, in pixels.
     side_ratio: least and largest short / long side of the silhouette's smallest rotated rectangle.
     rectangularity_min: least area of the silhouette over that of its rectangle.
-    roof_size_px: long and short side of the roof.
+    roof_long_px, roof_short_px: least and largest long and short side of the roof.
     roof_height_m: height above ground of the roof, on which the anchor lies.
     anchor_moments_px2: by regime of measurement, the anchor's mean squared error along the long and the short side.
     """
@@ -35,7 +40,8 @@ class ColourModel:
     area_px: Range
     side_ratio: Range
     rectangularity_min: float
-    roof_size_px: Range
+    roof_long_px: Range
+    roof_short_px: Range
     roof_height_m: float
     anchor_moments_px2: dict[str, Range]
 
@@ -45,16 +51,23 @@ class ColourModel:
         freeze(self, "histogram", shape=SHAPE)
         if self.histogram.min() < 0 or self.histogram.sum() <= 0:
             raise InputError(f"ColourModel {self.label!r}: the histogram must hold counts >= 0, not all of them 0")
-        for name in ("area_px", "side_ratio"):
+        for name in ("area_px", "side_ratio", "roof_long_px", "roof_short_px"):
             low, high = frozen_array(getattr(self, name), name=f"ColourModel.{name}", shape=(2,))
             if not 0 < low <= high:
                 raise InputError(f"ColourModel {self.label!r}: {name} = ({low}, {high}) must be 0 < low <= high")
-        numbers = (self.rectangularity_min, *self.roof_size_px, self.roof_height_m)
-        if not np.isfinite(numbers).all() or min(self.roof_size_px) <= 0:
-            raise InputError(f"ColourModel {self.label!r}: sizes must be finite and positive, got {numbers}")
+        if not 0 <= self.rectangularity_min <= 1:
+            raise InputError(f"ColourModel {self.label!r}: rectangularity_min must lie in [0, 1]")
+        if not np.isfinite(self.roof_height_m):
+            raise InputError(f"ColourModel {self.label!r}: roof_height_m = {self.roof_height_m} must be finite")
         moments = [value for pair in self.anchor_moments_px2.values() for value in pair]
-        if not moments or not np.isfinite(moments).all() or min(moments) <= 0:
-            raise InputError(f"ColourModel {self.label!r}: anchor_moments_px2 must hold finite positive pairs")
+        if set(self.anchor_moments_px2) != set(REGIMES) or not np.isfinite(moments).all() or min(moments) <= 0:
+            wanted = ", ".join(REGIMES)
+            raise InputError(f"ColourModel {self.label!r}: anchor_moments_px2 needs finite positive pairs for {wanted}")
+
+    @property
+    def roof_size_px(self) -> Range:
+        """Usual long and short side of the roof."""
+        return sum(self.roof_long_px) / 2, sum(self.roof_short_px) / 2
 
 
 @dataclass(frozen=True, eq=False)

@@ -39,3 +39,8 @@ def widened(counts: FloatArray) -> FloatArray:
     """``counts`` with each bin raised to the largest of its neighbours; hue is a circle."""
     wrapped = np.concatenate([counts[-1:], counts, counts[:1]])
     return np.asarray(cv2.dilate(wrapped, np.ones((3, 3), np.uint8))[1:-1], np.float64)
+
+
+def ratio_histogram(model: FloatArray, image: FloatArray) -> FloatArray:
+    """R = min(M / I, 1): how sure a pixel of each bin belongs to the object. Swain and Ballard 1991, eq. 3."""
+    return np.asarray(np.minimum(model / np.maximum(image, 1.0), 1.0))

@@ -8,9 +8,11 @@ import numpy as np
 
 from contracts import BoolArray, FloatArray, Frame, ImageArray, InputError
 from contracts.arrays import freeze
-from perception.colour_models import ColourModel, ColourModels
-from perception.hbp import ratio_histogram, silhouette_at
-from perception.hue_saturation import SHAPE, histogram, hue_saturation_value, widened
+from perception.anchor import outward_px
+from perception.anchor_errors import KnownRoof, anchor_moments
+from perception.colour_models import REGIMES, ColourModel, ColourModels
+from perception.hue_saturation import SHAPE, histogram, hue_saturation_value, ratio_histogram, widened
+from perception.silhouette import Silhouette, silhouette_at
 
 LEAST_PART = 0.5  # a vehicle hidden by so much is still looked for
 MARGIN = 1.25  # gates are so much wider than what training showed
@@ -52,6 +54,7 @@ class _Example:
     image: ImageArray
     roof_quad_px: FloatArray
     height_m: float
+    outward: FloatArray
     image_histogram: FloatArray
 
     @property
@@ -102,42 +105,44 @@ def _cut_out(sample: LabelledFrame, row: int, image_histogram: FloatArray) -> _E
     low = np.maximum(np.floor(quad.mean(axis=0) - reach), 0).astype(int)
     high = np.ceil(quad.mean(axis=0) + reach).astype(int) + 1
     image = sample.frame.image[low[1] : high[1], low[0] : high[0]].copy()
-    return _Example(image, quad - low, float(sample.heights_m[row]), image_histogram)
+    outward = outward_px(sample.frame.image, quad.mean(axis=0))
+    return _Example(image, quad - low, float(sample.heights_m[row]), outward, image_histogram)
 
 
 def _model(label: str, examples: list[_Example], background: FloatArray) -> ColourModel:
-    roof_size = tuple(np.mean([example.sides_px for example in examples], axis=0).tolist())
+    sides = np.array([example.sides_px for example in examples])  # (E, 2)
+    (long_min, short_min), (long_max, short_max) = sides.min(axis=0).tolist(), sides.max(axis=0).tolist()
     free = ColourModel(
         label=label,
         histogram=_model_histogram(examples, background),
         area_px=(1.0, _ANY_AREA_PX),
         side_ratio=(1e-9, 1.0),
         rectangularity_min=0.0,
-        roof_size_px=(roof_size[0], roof_size[1]),
+        roof_long_px=(long_min, long_max),
+        roof_short_px=(short_min, short_max),
         roof_height_m=float(np.mean([example.height_m for example in examples])),
-        anchor_moments_px2={"whole": (1.0, 1.0)},
+        anchor_moments_px2=dict.fromkeys(REGIMES, (1.0, 1.0)),
     )
-    outlines = [
-        (example, silhouette)
-        for example in examples
-        if (silhouette := silhouette_at(example.image, example.centre_px, _ratio(free, example), free)) is not None
-    ]
-    if not outlines:
+    outlined = [(example, outline) for example in examples if (outline := _outline(free, example)) is not None]
+    if not outlined:
         raise InputError(f"learn: no vehicle labelled {label!r} stands out from the background by hue and saturation")
-    areas = [silhouette.area_px for _, silhouette in outlines]
-    residuals = [example.centre_px - silhouette.quad_px.mean(axis=0) for example, silhouette in outlines]
-    moment = float(np.mean(np.square(residuals)))
+    outlines = [outline for _, outline in outlined]
+    known = [KnownRoof(example.image, outline, example.centre_px, example.outward) for example, outline in outlined]
     return replace(
         free,
-        area_px=(LEAST_PART * min(areas), MARGIN * max(areas)),
-        side_ratio=(LEAST_PART * min(silhouette.side_ratio for _, silhouette in outlines), 1.0),
-        rectangularity_min=float(min(silhouette.rectangularity for _, silhouette in outlines)) / MARGIN,
-        anchor_moments_px2={"whole": (moment, moment)},
+        area_px=(
+            LEAST_PART * min(outline.area_px for outline in outlines),
+            MARGIN * max(outline.area_px for outline in outlines),
+        ),
+        side_ratio=(LEAST_PART * min(outline.side_ratio for outline in outlines), 1.0),
+        rectangularity_min=min(outline.rectangularity for outline in outlines) / MARGIN,
+        anchor_moments_px2=anchor_moments(free, known),
     )
 
 
-def _ratio(model: ColourModel, example: _Example) -> FloatArray:
-    return ratio_histogram(model, example.image_histogram)
+def _outline(model: ColourModel, example: _Example) -> Silhouette | None:
+    ratio = ratio_histogram(model.histogram, example.image_histogram)
+    return silhouette_at(example.image, example.centre_px, ratio, model)
 
 
 def _model_histogram(examples: list[_Example], background: FloatArray) -> FloatArray:

@@ -103,7 +103,7 @@ def random_boxes(rng: np.random.Generator, labels: tuple[str, ...], shape: tuple
         lane = width / len(labels)
         centre = np.array([rng.uniform(k * lane + 60, (k + 1) * lane - 60), rng.uniform(60, height - 60)])
         lean = (np.array([width, height]) / 2 - centre) * 0.035
-        gains = (rng.uniform(0.5, 0.85), rng.uniform(0.5, 1.2))
+        gains = (rng.uniform(0.25, 0.75), rng.uniform(0.25, 0.75))
         boxes.append(
             Box(
                 label,

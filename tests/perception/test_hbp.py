@@ -24,7 +24,7 @@ def test_each_vehicle_is_found_once_near_its_place(models):
         found = detector.detect(frame_of(draw(floor(rng), boxes)))
         assert found.labels == LABELS
         offsets = found.anchors_px - [box.centre_px for box in boxes]
-        assert np.abs(offsets).max() < 8
+        assert np.abs(offsets).max() < 0.3
 
 
 def test_an_empty_floor_gives_nothing(models):

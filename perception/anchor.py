@@ -1,0 +1,105 @@
+"""From the measured roof to the anchor: what to do about sides that were not seen, and how sure the answer is."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contracts import BoolArray, FloatArray, ImageArray
+from perception.colour_models import BOTH, ROUGH, SINGLE, ColourModel
+from perception.roof import Roof, measure_roof, seed_quad
+from perception.silhouette import Silhouette
+
+FARTHEST_PX = 6.0  # the measured middle is not farther than this from the rough one
+ODD = 0.03  # a size that departs from the learned range by more than this share is not the whole roof's
+
+
+@dataclass(frozen=True, eq=False)
+class Anchor:
+    """The roof's centre.
+
+    point_px: (2,). cov_px2: (2, 2) second moment of its error.
+    quad_px: (4, 2) the roof. visible: share of the roof that was seen.
+    regimes: how the long and the short axis were measured.
+    """
+
+    point_px: FloatArray
+    cov_px2: FloatArray
+    quad_px: FloatArray
+    visible: float
+    regimes: tuple[str, str]
+
+
+def find_anchor(image: ImageArray, silhouette: Silhouette, model: ColourModel) -> Anchor:
+    """The roof's centre within a silhouette; the camera is taken to look straight down, as paper R's do."""
+    outward = outward_px(image, silhouette.quad_px.mean(axis=0))
+    roof = roof_in(image, silhouette, outward)
+    return _rough(silhouette, model) if roof is None else complete_roof(roof, model, outward)
+
+
+def outward_px(image: ImageArray, place_px: FloatArray) -> FloatArray:
+    """(2,) from the image's middle, which is nearly the point below the camera, to a place in the image."""
+    return place_px - (np.array(image.shape[1::-1]) - 1) / 2
+
+
+def roof_in(image: ImageArray, silhouette: Silhouette, outward: FloatArray) -> Roof | None:
+    """The roof measured within a silhouette; None where no roof can be told from the walls.
+
+    outward: (2,) direction away from the point below the camera.
+    """
+    (left, top), (height, width) = silhouette.origin_px, silhouette.mask.shape
+    window = image[top : top + height, left : left + width]
+    seed = seed_quad(window, silhouette.mask, outward)
+    if seed is None:
+        return None
+    roof = measure_roof(window, seed)
+    near = np.abs(roof.centre_px - seed.mean(axis=0)).max() <= FARTHEST_PX
+    return roof.shifted(silhouette.origin_px) if near else None
+
+
+def complete_roof(roof: Roof, model: ColourModel, outward: FloatArray) -> Anchor:
+    """The anchor from the measured sides, with the learned size where an end of the roof was hidden."""
+    axes = roof.axes  # (2, 2) long, short
+    size = np.array(roof.size_px)
+    learned = np.array([model.roof_long_px, model.roof_short_px])  # (2, 2) least, most
+    usual = learned.mean(axis=1)
+    whole = roof.ends_measured.all(axis=1) & (size > learned[:, 0] * (1 - ODD)) & (size < learned[:, 1] * (1 + ODD))
+    scale = float(np.mean(size[whole] / usual[whole])) if whole.any() else 1.0  # of this camera against training's
+    expected = scale * usual
+    completed = [
+        _Axis(BOTH, size[k]) if whole[k] else _complete(size[k], expected[k], roof.ends_measured[k], axes[k] @ outward)
+        for k in range(2)
+    ]
+    moments = [model.anchor_moments_px2[axis.regime][k] + axis.doubt_px**2 for k, axis in enumerate(completed)]
+    point = roof.centre_px + np.array([axis.shift_px for axis in completed]) @ axes
+    half = np.array([axis.size_px for axis in completed]) / 2
+    quad = point + (np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * half) @ axes
+    visible = float(np.clip(np.prod(size / expected), 0.0, 1.0))
+    return Anchor(point, axes.T @ np.diag(moments) @ axes, quad, visible, (completed[0].regime, completed[1].regime))
+
+
+@dataclass(frozen=True)
+class _Axis:
+    """One axis completed: regime, size, shift of the middle, and doubt beyond the regime's own."""
+
+    regime: str
+    size_px: float
+    shift_px: float = 0.0
+    doubt_px: float = 0.0
+
+
+def _complete(size_px: float, expected_px: float, ends: BoolArray, outward: float) -> _Axis:
+    """An axis whose ends, backward and forward, were not both measured as the roof's."""
+    excess = size_px - expected_px
+    if not ends.any():
+        return _Axis(ROUGH, expected_px)
+    if ends.all() and excess < 0:  # something covers one end, and nobody knows which
+        return _Axis(SINGLE, size_px, doubt_px=excess / 2)
+    forward = outward > 0 if ends.all() else bool(ends[1])  # a wall without contrast is on the inner end
+    return _Axis(SINGLE, expected_px, shift_px=(excess if forward else -excess) / 2)
+
+
+def _rough(silhouette: Silhouette, model: ColourModel) -> Anchor:
+    """The silhouette's middle, where no roof can be told from the walls."""
+    quad = silhouette.quad_px
+    moment = max(model.anchor_moments_px2[ROUGH])
+    return Anchor(quad.mean(axis=0), np.eye(2) * moment, quad, silhouette.rectangularity, (ROUGH, ROUGH))

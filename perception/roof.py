@@ -1,0 +1,231 @@
+"""The roof of a vehicle, measured to a fraction of a pixel.
+
+A box seen from above shows its roof and, towards the point below the camera, up to two walls of the same hue. The roof
+is therefore sought as an even brightness, then its four sides are measured one by one with calipers across them.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from contracts import BoolArray, FloatArray, ImageArray, IntArray
+from perception.edge_profile import fit_edges
+
+REACH_PX = 6.0  # calipers look so far to either side of the expected edge
+CALIPERS = 24  # across each side
+SIDE_SHARE = 0.8  # of each side's length that is measured; corners are rounded by blur
+EVEN = 0.12  # a pixel of the roof departs from the plane of brightness by less than this share
+ROUNDS = 3  # of sampling and line fitting
+CROSSING_REACH_PX = 4.0
+ON_LINE_PX = 0.6  # crossings so near to the line belong to it, whatever their spread
+_T_PX = np.arange(-REACH_PX, REACH_PX + 0.5)
+
+
+@dataclass(frozen=True, eq=False)
+class Roof:
+    """A measured roof; pixels of the whole image.
+
+    quad_px: (4, 2) corners in order round it; the first side, from corner 0 to 1, is a long one.
+    sides_measured: (4,) whether each side, from corner k to k + 1, was seen as an edge.
+    walls_px: (4,) width of the wall seen beyond each side.
+    """
+
+    quad_px: FloatArray
+    sides_measured: BoolArray
+    walls_px: FloatArray
+
+    @property
+    def centre_px(self) -> FloatArray:
+        """(2,) where the lines through the middles of opposite sides meet."""
+        middles = (self.quad_px + np.roll(self.quad_px, -1, axis=0)) / 2
+        return np.asarray(middles.mean(axis=0))
+
+    def shifted(self, by_px: FloatArray | IntArray) -> "Roof":
+        """The same roof, seen from an origin that lies ``by_px`` (2,) before this one."""
+        return Roof(self.quad_px + by_px, self.sides_measured, self.walls_px)
+
+    @property
+    def axes(self) -> FloatArray:
+        """(2, 2) unit vectors along the long and the short side; corner 2 is forward in both."""
+        sides = np.roll(self.quad_px, -1, axis=0) - self.quad_px
+        both = np.array([sides[0] - sides[2], sides[1] - sides[3]])
+        return np.asarray(both / np.linalg.norm(both, axis=1, keepdims=True))
+
+    @property
+    def ends_measured(self) -> BoolArray:
+        """(2, 2) whether the backward and the forward end of each axis was seen as an edge."""
+        return np.asarray(self.sides_measured[[[3, 1], [0, 2]]])
+
+    @property
+    def size_px(self) -> tuple[float, float]:
+        """Long and short side."""
+        lengths = np.linalg.norm(np.roll(self.quad_px, -1, axis=0) - self.quad_px, axis=1)
+        return float(lengths[0] + lengths[2]) / 2, float(lengths[1] + lengths[3]) / 2
+
+
+def seed_quad(image: ImageArray, mask: ImageArray, outward: FloatArray) -> FloatArray | None:
+    """Rough corners (4, 2) of the roof in a window: the even brightness that reaches farthest ``outward``.
+
+    image: (H, W, 3) BGR. mask: (H, W) not 0 where the vehicle's colour is.
+    outward: (2,) direction away from the point below the camera; there the silhouette is bounded by the roof.
+    """
+    rows, columns = np.nonzero(mask)
+    places = np.stack([columns, rows], axis=1).astype(np.float64)  # (N, 2)
+    colours = image[rows, columns].astype(np.float64)  # (N, 3)
+    distance = places @ outward
+    outer = distance >= np.median(distance)
+    colour = np.median(colours[outer], axis=0)
+    brightness = colours @ colour / (colour @ colour)
+    design = np.concatenate([places - places.mean(axis=0), np.ones((len(places), 1))], axis=1)
+    even = outer & (np.abs(brightness - 1) < EVEN)
+    for _ in range(3):
+        if even.sum() < 16:
+            return None
+        plane = np.linalg.lstsq(design[even], brightness[even], rcond=None)[0]
+        even = np.abs(brightness - design @ plane) < EVEN
+    roof = np.zeros(mask.shape, np.uint8)
+    roof[rows[even], columns[even]] = 1
+    return _largest_rectangle(roof)
+
+
+def _largest_rectangle(mask: ImageArray) -> FloatArray | None:
+    """Corners (4, 2) of the rectangle with the moments of the largest connected part; first side long."""
+    opened = cv2.morphologyEx(mask, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
+    count, parts, stats, centres = cv2.connectedComponentsWithStats(np.asarray(opened, np.uint8))
+    if count < 2:
+        return None
+    largest = 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA]))
+    rows, columns = np.nonzero(parts == largest)
+    covariance = np.cov(np.stack([columns, rows]))  # (2, 2)
+    variances, axes = np.linalg.eigh(covariance)
+    short, long = np.sqrt(12 * variances) / 2  # a rectangle's variance is its length squared over 12
+    along, across = axes[:, 1] * long, axes[:, 0] * short
+    if along[0] * across[1] - along[1] * across[0] < 0:
+        across = -across
+    return np.array([centres[largest] + x for x in (-along - across, along - across, along + across, across - along)])
+
+
+def measure_roof(image: ImageArray, quad_px: FloatArray) -> Roof:
+    """Measure the four sides near a rough quadrangle (4, 2), first side long, corners in order."""
+    pixels = image.astype(np.float32)
+    lines = _lines_of(quad_px)
+    for _ in range(ROUNDS):
+        profiles, inside = _profiles(pixels, lines)
+        offsets, slopes, kept = _robust_line(lines.along_px, _crossings(profiles, inside))
+        lines = lines.moved(np.clip(offsets, -2.0, 2.0), np.clip(slopes, -0.1, 0.1))
+    profiles, inside = _profiles(pixels, lines)
+    kept &= inside
+    usable = kept.sum(axis=1) >= CALIPERS // 3  # (4,)
+    weights = np.where(usable[:, None], kept, True)[..., None, None]
+    mean = (profiles * weights).sum(axis=1) / weights.sum(axis=1)  # (4, T, 3)
+    fits = fit_edges(mean, _T_PX)
+    walled = np.zeros(4, np.int64)
+    for pair in ([0, 2], [1, 3]):  # a camera sees at most one of two opposite walls
+        gains = fits.costs[0, pair] - fits.costs[1, pair]
+        walled[pair[int(np.argmax(gains))]] = gains.max() > 0
+    pick = walled, np.arange(4)
+    moved = lines.moved(np.where(usable, fits.edges_px[pick], 0.0), np.zeros(4))
+    return Roof(moved.corners_px, usable, fits.walls_px[pick])
+
+
+@dataclass(frozen=True, eq=False)
+class _Lines:
+    """Four sides: middles (4, 2), unit directions (4, 2), unit outward normals (4, 2), lengths (4,)."""
+
+    middles: FloatArray
+    directions: FloatArray
+    normals: FloatArray
+    lengths: FloatArray
+
+    def moved(self, offsets_px: FloatArray, slopes: FloatArray) -> "_Lines":
+        """Shifted outwards by ``offsets_px`` (4,) and turned by ``slopes`` (4,), px outwards per px along."""
+        middles = self.middles + offsets_px[:, None] * self.normals
+        directions = self.directions + slopes[:, None] * self.normals
+        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+        return _lines_of(_meets(middles, directions))
+
+    @property
+    def along_px(self) -> FloatArray:
+        """(4, C) places of the calipers along each side, from its middle."""
+        return np.linspace(-SIDE_SHARE / 2, SIDE_SHARE / 2, CALIPERS)[None, :] * self.lengths[:, None]
+
+    @property
+    def corners_px(self) -> FloatArray:
+        return _meets(self.middles, self.directions)
+
+
+def _lines_of(quad_px: FloatArray) -> _Lines:
+    sides = np.roll(quad_px, -1, axis=0) - quad_px
+    lengths = np.linalg.norm(sides, axis=1)
+    directions = sides / lengths[:, None]
+    normals = np.stack([directions[:, 1], -directions[:, 0]], axis=1)
+    middles = quad_px + sides / 2
+    outward = ((middles - quad_px.mean(axis=0)) * normals).sum(axis=1, keepdims=True)
+    return _Lines(middles, directions, normals * np.sign(outward), lengths)
+
+
+def _meets(points: FloatArray, directions: FloatArray) -> FloatArray:
+    """Corners (4, 2): where each line meets the one before it, so that side k runs from corner k to k + 1."""
+    p, d = np.roll(points, 1, axis=0), np.roll(directions, 1, axis=0)
+    gap = points - p
+    along = (gap[:, 0] * directions[:, 1] - gap[:, 1] * directions[:, 0]) / (
+        d[:, 0] * directions[:, 1] - d[:, 1] * directions[:, 0]
+    )
+    return np.asarray(p + along[:, None] * d)
+
+
+def _profiles(pixels: NDArray[np.float32], lines: _Lines) -> tuple[FloatArray, BoolArray]:
+    """Colours (4, C, T, 3) along C calipers across each side, and which calipers (4, C) lie inside the image."""
+    foot = lines.middles[:, None] + lines.along_px[..., None] * lines.directions[:, None]  # (4, C, 2)
+    places = foot[:, :, None] + _T_PX[None, None, :, None] * lines.normals[:, None, None]  # (4, C, T, 2)
+    u, v = np.moveaxis(places.reshape(4 * CALIPERS, len(_T_PX), 2).astype(np.float32), -1, 0)
+    sampled = cv2.remap(pixels, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    height, width = pixels.shape[:2]
+    near = places[:, :, np.abs(_T_PX) <= 3]
+    inside = ((near >= 0) & (near <= (width - 1, height - 1))).all(axis=(2, 3))
+    return sampled.reshape(4, CALIPERS, len(_T_PX), 3).astype(np.float64), np.asarray(inside)
+
+
+def _crossings(profiles: FloatArray, inside: BoolArray) -> FloatArray:
+    """(4, C) offset outwards at which each caliper leaves the roof, to half a pixel or so; NaN outside the image."""
+    typical = _typical(profiles, inside)  # (4, T, 3)
+    roof = typical[:, _T_PX <= -3].mean(axis=1)[:, None, None]  # (4, 1, 1, 3)
+    beyond = typical[:, (_T_PX >= 2) & (_T_PX <= 4)].mean(axis=1)[:, None, None]
+    axis = roof - beyond
+    span = np.maximum((axis**2).sum(axis=-1), 1.0)  # (4, 1, 1)
+    near = np.abs(_T_PX) <= CROSSING_REACH_PX
+    share = ((profiles[:, :, near] - beyond) * axis).sum(axis=-1) / span  # (4, C, T) 1 on the roof, 0 beyond
+    falling = np.minimum.accumulate(np.clip(share, 0.0, 1.0), axis=-1)
+    return np.where(inside, falling.sum(axis=-1) - CROSSING_REACH_PX - 0.5, np.nan)
+
+
+def _typical(profiles: FloatArray, inside: BoolArray) -> FloatArray:
+    """(4, T, 3) median over the calipers inside the image; over all where there are none."""
+    return np.array(
+        [np.median(side[kept] if kept.any() else side, axis=0) for side, kept in zip(profiles, inside, strict=True)]
+    )
+
+
+def _robust_line(along_px: FloatArray, offsets_px: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Offset (4,) at the middle and slope (4,) of each side's crossings (4, C), and which of them lie on that line.
+
+    Least squares, repeated without those that lie off.
+    """
+    valid = np.isfinite(offsets_px)
+    y = np.where(valid, offsets_px, 0.0)
+    kept = valid
+    offset = slope = np.zeros(4)
+    for _ in range(3):
+        weight = kept.astype(np.float64)
+        total = np.maximum(weight.sum(axis=1), 1.0)
+        mean_x, mean_y = (weight * along_px).sum(axis=1) / total, (weight * y).sum(axis=1) / total
+        x = along_px - mean_x[:, None]
+        slope = (weight * x * y).sum(axis=1) / np.maximum((weight * x**2).sum(axis=1), 1.0)
+        offset = mean_y - slope * mean_x
+        residuals = np.abs(y - offset[:, None] - slope[:, None] * along_px)
+        ranked = np.sort(np.where(valid, residuals, np.inf), axis=1)
+        scale = ranked[np.arange(4), valid.sum(axis=1) // 2]  # the median of the valid ones
+        kept = valid & (residuals <= np.maximum(3 * scale, ON_LINE_PX)[:, None])
+    return offset, slope, kept

@@ -1,0 +1,73 @@
+"""What a camera sees of the truth: boxes, visible shares and centres, through its lens as it is."""
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from contracts import BoolArray, Camera, FloatArray, ImageArray
+from contracts.truth import CameraTruth, Truth
+from sim.projection import project
+
+_EDGE_POINTS = 9  # along each edge: a lens bends straight edges
+_CORNERS = np.array([[x, y, z] for z in (0.0, 1.0) for y in (-0.5, 0.5) for x in (-0.5, 0.5)])
+_EDGES = [(a, b) for a in range(8) for b in range(a + 1, 8) if bin(a ^ b).count("1") == 1]
+
+
+def camera_truth(camera: Camera, state: Truth, instances: ImageArray, *, keep_instances: bool) -> CameraTruth:
+    """The view of ``camera`` on ``state``, given which object each pixel (H, W) of the bent image shows."""
+    outlines = outline_points(state)  # (N, P, 3)
+    pixels, in_field = project(camera, outlines)
+    whole = in_field.all(axis=1)
+    n = len(state.ids)
+    full, visible, fractions = np.full((n, 4), np.nan), np.full((n, 4), np.nan), np.zeros(n)
+    for row in np.flatnonzero(whole):
+        full[row] = np.concatenate([pixels[row].min(axis=0), pixels[row].max(axis=0)])
+        box, count = _visible_part(instances, row, full[row])
+        if count:
+            visible[row] = box
+            fractions[row] = min(1.0, count / max(1, silhouette_pixels(pixels[row])))
+    roofs = state.positions_m + state.sizes_m * (0.0, 0.0, 1.0)
+    return CameraTruth(
+        camera=camera.name,
+        index=state.index,
+        time_ns=state.time_ns,
+        visible_fractions=fractions,
+        full_boxes_px=full,
+        visible_boxes_px=visible,
+        footprints_px=project(camera, state.positions_m)[0],
+        roofs_px=project(camera, roofs)[0],
+        instances=instances if keep_instances else None,
+    )
+
+
+def outline_points(state: Truth) -> FloatArray:
+    """Points along all twelve edges of every object's box, (N, P, 3) world."""
+    share = np.linspace(0.0, 1.0, _EDGE_POINTS)[:, None]
+    unit = np.concatenate([_CORNERS[a] * (1 - share) + _CORNERS[b] * share for a, b in _EDGES])  # (P, 3)
+    local = unit * state.sizes_m[:, None]  # (N, P, 3)
+    cos, sin = np.cos(state.headings_rad)[:, None], np.sin(state.headings_rad)[:, None]
+    x, y = local[..., 0], local[..., 1]
+    return np.stack([cos * x - sin * y, sin * x + cos * y, local[..., 2]], axis=-1) + state.positions_m[:, None]
+
+
+def silhouette_pixels(outline_px: FloatArray) -> int:
+    """Number of pixel centres inside the convex hull of the projected outline (P, 2), on an image without bounds."""
+    hull = ConvexHull(outline_px)
+    low, high = np.ceil(outline_px.min(axis=0)).astype(int), np.floor(outline_px.max(axis=0)).astype(int)
+    u, v = np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1)
+    # a, b, c of a u + b v + c <= 0 inside, one row per side of the hull
+    a, b, c = hull.equations.T
+    inside: BoolArray = (a[:, None, None] * u + (b[:, None] * v + c[:, None])[:, :, None] <= 0.0).all(axis=0)
+    return int(inside.sum())
+
+
+def _visible_part(instances: ImageArray, row: int, full_box_px: FloatArray) -> tuple[FloatArray, int]:
+    """Upright box (4,) around the pixels of object ``row``, to their outer edges, and their number."""
+    height, width = instances.shape
+    left, top = np.clip(np.floor(full_box_px[:2]).astype(int) - 2, 0, (width, height))
+    right, bottom = np.clip(np.ceil(full_box_px[2:]).astype(int) + 3, 0, (width, height))
+    mine = instances[top:bottom, left:right] == row + 1
+    columns, rows = np.flatnonzero(mine.any(axis=0)), np.flatnonzero(mine.any(axis=1))
+    if not columns.size:
+        return np.full(4, np.nan), 0
+    box = np.array([left + columns[0] - 0.5, top + rows[0] - 0.5, left + columns[-1] + 0.5, top + rows[-1] + 0.5])
+    return box, int(mine.sum())

@@ -1,0 +1,60 @@
+"""The tiled floor and the marks on it."""
+
+import cv2
+import numpy as np
+
+from contracts import FloatArray, ImageArray
+
+TILE_M = 0.40
+MARK_RADIUS_M = 0.011  # a control point is a yellow disc of 22 mm
+PERIOD_M = 5 * TILE_M  # the picture of the floor repeats after so many tiles: sharp at any size of floor
+_TEXELS = 2048
+_GROUT_M = 0.004
+
+
+def floor_texture(rng: np.random.Generator) -> ImageArray:
+    """One period of the floor, (2048, 2048, 3) RGB: grey-beige tiles that differ a little, with grout between them.
+
+    The texture's edges are tile edges; it continues itself on all sides.
+    """
+    n, tiles = _TEXELS, round(PERIOD_M / TILE_M)
+    tile_of = np.arange(n) * tiles // n
+    tone = rng.normal(0.0, 5.0, (tiles, tiles, 1)) + rng.normal(0.0, 1.5, (tiles, tiles, 3))
+    picture = np.array([176.0, 171.0, 162.0]) + tone[tile_of][:, tile_of]  # (n, n, 3)
+    for sigma, strength in ((48.0, 4.0), (9.0, 3.0), (1.2, 3.0)):
+        picture += _mottle(rng, n, sigma, strength)[..., None]
+    inside = np.abs((np.arange(n) + 0.5) * PERIOD_M / n % TILE_M - TILE_M / 2)
+    to_edge = TILE_M / 2 - np.maximum(inside[:, None], inside[None, :])  # metres to the nearest tile edge
+    grout = np.clip((_GROUT_M / 2 - to_edge) / 0.001 + 0.5, 0.0, 1.0)[..., None]
+    return np.clip(picture * (1 - grout) + np.array([112.0, 108.0, 103.0]) * grout, 0, 255).astype(np.uint8)
+
+
+def control_points(floor_m: FloatArray, keep_clear_m: FloatArray, *, clearance_m: float) -> FloatArray:
+    """Marks at the tile corners of the floor (x0, y0, x1, y1), but not within ``clearance_m`` of points (N, 2).
+
+    Returns (M, 3) world positions, all on z = 0.
+    """
+    x0, y0, x1, y1 = np.asarray(floor_m) / TILE_M
+    x = np.arange(np.floor(x0) + 1, np.ceil(x1)) * TILE_M
+    y = np.arange(np.floor(y0) + 1, np.ceil(y1)) * TILE_M
+    corners = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    if len(keep_clear_m):
+        apart = np.array([np.hypot(*(keep_clear_m - corner).T).min() for corner in corners])
+        corners = corners[apart > clearance_m]
+    return np.column_stack([corners, np.zeros(len(corners))])
+
+
+def floor_around(low_m: FloatArray, high_m: FloatArray) -> FloatArray:
+    """The floor (x0, y0, x1, y1) around a rectangle: whole periods, so that tile corners are multiples of 0.4 m."""
+    low = np.floor(np.asarray(low_m) / PERIOD_M) * PERIOD_M
+    high = np.ceil(np.asarray(high_m) / PERIOD_M) * PERIOD_M
+    return np.concatenate([low, high])
+
+
+def _mottle(rng: np.random.Generator, n: int, sigma_px: float, strength: float) -> FloatArray:
+    """Soft random spots of standard deviation ``strength``, continued over the edges; (n, n)."""
+    noise = rng.normal(size=(n, n)).astype(np.float32)
+    border = int(3 * sigma_px) + 1
+    padded = np.pad(noise, border, mode="wrap")
+    smooth = cv2.GaussianBlur(padded, (0, 0), sigma_px)[border:-border, border:-border]
+    return np.asarray(smooth * (strength / smooth.std()), dtype=np.float64)

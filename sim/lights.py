@@ -1,0 +1,141 @@
+"""Light presets: pure functions of time."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+
+from contracts import FloatArray
+
+Rgb = tuple[float, float, float]
+
+
+class LightPreset(StrEnum):
+    """The lights that a scenario may name."""
+
+    SUNNY = "sunny"
+    CLOUDY = "cloudy"
+    LAMPS = "lamps"
+    DUSK = "dusk"
+    MOVING_SHADOW = "moving_shadow"
+    FLICKER = "flicker"
+
+
+@dataclass(frozen=True)
+class Beam:
+    """Parallel light that casts shadows.
+
+    azimuth_rad, elevation_rad: where it comes from; azimuth counter-clockwise from east.
+    rgb: irradiance on a surface that faces it; 1 turns albedo 1 into level 255.
+    """
+
+    azimuth_rad: float
+    elevation_rad: float
+    rgb: Rgb
+
+    @property
+    def direction(self) -> FloatArray:
+        """(3,) unit vector in which the light travels, world."""
+        level = math.cos(self.elevation_rad)
+        return -np.array(
+            [level * math.cos(self.azimuth_rad), level * math.sin(self.azimuth_rad), math.sin(self.elevation_rad)]
+        )
+
+
+@dataclass(frozen=True)
+class ShadowBand:
+    """The soft-edged shadow of something large outside of the picture, as it lies on the ground.
+
+    It covers ``|n . p - centre_m| < half_width_m`` with n the unit vector of ``across_rad``.
+    strength: share of the beams that it takes away. edge_m: width of the penumbra.
+    """
+
+    across_rad: float
+    centre_m: float
+    half_width_m: float
+    edge_m: float
+    strength: float
+
+    def shade(self, ground_m: FloatArray) -> FloatArray:
+        """Share (...) of the beams taken away at ground points (..., 2)."""
+        normal = np.array([math.cos(self.across_rad), math.sin(self.across_rad)])
+        inside = self.half_width_m - np.abs(ground_m @ normal - self.centre_m)  # (...)
+        return self.strength * np.clip(inside / self.edge_m + 0.5, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Light:
+    """All light at one moment.
+
+    beams: cast shadows. sky: from straight above without shadow. ambient: from everywhere, shadow or not.
+    band: takes part of the beams away on a part of the ground, or nothing.
+    """
+
+    beams: tuple[Beam, ...]
+    sky: Rgb
+    ambient: Rgb
+    band: ShadowBand | None = None
+
+    def without_beams(self) -> "Light":
+        """What is left in full shadow."""
+        return replace(self, beams=(), band=None)
+
+    def scaled(self, factor: float) -> "Light":
+        """The same light, ``factor`` times as strong."""
+        return replace(
+            self,
+            beams=tuple(replace(beam, rgb=_scaled(beam.rgb, factor)) for beam in self.beams),
+            sky=_scaled(self.sky, factor),
+            ambient=_scaled(self.ambient, factor),
+        )
+
+
+def light_at(preset: LightPreset, time_ns: int) -> Light:
+    """The light of ``preset`` at ``time_ns``."""
+    return _PRESETS[preset](time_ns * 1e-9)
+
+
+def _scaled(rgb: Rgb, factor: float) -> Rgb:
+    return (rgb[0] * factor, rgb[1] * factor, rgb[2] * factor)
+
+
+def _sunny(_time_s: float) -> Light:
+    sun = Beam(math.radians(125.0), math.radians(52.0), (0.62, 0.59, 0.53))
+    return Light((sun,), sky=(0.22, 0.235, 0.26), ambient=(0.25, 0.26, 0.28))
+
+
+def _cloudy(_time_s: float) -> Light:
+    return Light((), sky=(0.46, 0.47, 0.49), ambient=(0.34, 0.35, 0.36))
+
+
+def _lamps(_time_s: float) -> Light:
+    left = Beam(math.radians(200.0), math.radians(62.0), (0.44, 0.39, 0.31))
+    right = Beam(math.radians(-35.0), math.radians(58.0), (0.38, 0.34, 0.27))
+    return Light((left, right), sky=(0.04, 0.04, 0.04), ambient=(0.20, 0.19, 0.17))
+
+
+def _dusk(_time_s: float) -> Light:
+    return Light((), sky=(0.17, 0.19, 0.25), ambient=(0.13, 0.14, 0.18))
+
+
+def _moving_shadow(time_s: float) -> Light:
+    """Somebody walks through the sun: the band crosses the middle every twelve seconds."""
+    centre_m = -2.4 + 0.4 * (time_s % 12.0)
+    return replace(_sunny(time_s), band=ShadowBand(math.radians(20.0), centre_m, 0.45, 0.12, 0.85))
+
+
+def _flicker(time_s: float) -> Light:
+    """Lamps on 49.3 Hz mains: filmed at 25 fps the 98.6 Hz ripple shows as a slow beat."""
+    return _lamps(time_s).scaled(0.86 + 0.14 * math.cos(2.0 * math.pi * 98.6 * time_s))
+
+
+_PRESETS: dict[LightPreset, Callable[[float], Light]] = {
+    LightPreset.SUNNY: _sunny,
+    LightPreset.CLOUDY: _cloudy,
+    LightPreset.LAMPS: _lamps,
+    LightPreset.DUSK: _dusk,
+    LightPreset.MOVING_SHADOW: _moving_shadow,
+    LightPreset.FLICKER: _flicker,
+}

@@ -1,0 +1,31 @@
+"""The one interface that every renderer has."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from contracts import ImageArray
+from contracts.truth import Truth
+
+
+@dataclass(frozen=True, eq=False)
+class Rendered:
+    """A clean picture through a pinhole, before lens and sensor.
+
+    image: (H, W, 3) uint8 BGR.
+    instances: (H, W) uint8, 0 for background and k + 1 for row k of the truth; never antialiased.
+    """
+
+    image: ImageArray
+    instances: ImageArray
+
+
+class Renderer(Protocol):
+    """Draws the world through named pinhole cameras; the picture depends on the state alone, not on earlier ones."""
+
+    def render(self, state: Truth, camera: str) -> Rendered:
+        """The world at ``state`` (its ``time_ns`` decides the light) as ``camera``'s pinhole sees it."""
+        ...
+
+    def close(self) -> None:
+        """Give the graphics memory back; the renderer is of no use afterwards."""
+        ...

@@ -1,0 +1,61 @@
+"""The sensor: defocus, exposure and noise, which change the image and nothing else."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from contracts import ImageArray, InputError
+from sim.streams import stream
+
+_POOL_SPARE_PX = 256  # the noise pool is larger than the image by this much each way
+
+
+@dataclass(frozen=True)
+class SensorSpec:
+    """Faults of a sensor.
+
+    noise: standard deviation of the additive Gaussian noise, grey levels of 255.
+    defocus_px: standard deviation of the blur disc, taken as Gaussian.
+    gain: factor on all values; 1 is the exposure for which the light presets are balanced.
+    exposure_ms: time for which the shutter is open; moving things smear.
+    """
+
+    noise: float = 1.5
+    defocus_px: float = 0.5
+    gain: float = 1.0
+    exposure_ms: float = 2.0
+
+    def __post_init__(self) -> None:
+        for name in ("noise", "defocus_px", "gain", "exposure_ms"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value >= 0):
+                raise InputError(f"SensorSpec.{name} = {value} must be a finite number, 0 or more")
+
+
+class Sensor:
+    """One camera's sensor. The noise of a frame depends on seed, camera and index alone, not on earlier frames."""
+
+    def __init__(self, spec: SensorSpec, camera: str, width_px: int, height_px: int, noise_seed: int) -> None:
+        self._spec = spec
+        self._concern = f"noise/{camera}"
+        self._seed = noise_seed
+        shape = (height_px + _POOL_SPARE_PX, width_px + _POOL_SPARE_PX, 3)
+        noise = np.rint(stream(noise_seed, self._concern).normal(0.0, spec.noise, shape)) if spec.noise else np.zeros(1)
+        self._brighter = np.clip(noise, 0, 255).astype(np.uint8)  # two unsigned halves: saturating sums are fastest
+        self._darker = np.clip(-noise, 0, 255).astype(np.uint8)
+
+    def expose(self, image: ImageArray, index: int) -> ImageArray:
+        """The image (H, W, 3) as the sensor delivers frame ``index``; the input stays as it is."""
+        spec = self._spec
+        if spec.defocus_px:
+            image = cv2.GaussianBlur(image, (0, 0), spec.defocus_px, borderType=cv2.BORDER_REPLICATE)
+        if spec.gain != 1.0:
+            image = cv2.convertScaleAbs(image, alpha=spec.gain)
+        return self._with_noise(image, index) if spec.noise else image
+
+    def _with_noise(self, image: ImageArray, index: int) -> ImageArray:
+        """Add the pool of noise, shifted at random: fresh normal noise would cost more than the whole frame."""
+        top, left = stream(self._seed, f"{self._concern}/{index}").integers(0, _POOL_SPARE_PX, 2)
+        window = np.s_[top : top + image.shape[0], left : left + image.shape[1]]
+        return cv2.subtract(cv2.add(image, self._brighter[window]), self._darker[window])

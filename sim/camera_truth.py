@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from contracts import BoolArray, Camera, FloatArray, ImageArray
+from contracts import Camera, FloatArray, ImageArray
 from contracts.truth import CameraTruth, Truth
 from sim.projection import project
 
@@ -19,7 +19,7 @@ def camera_truth(camera: Camera, state: Truth, instances: ImageArray, *, keep_in
     whole = in_field.all(axis=1)
     n = len(state.ids)
     full, visible, fractions = np.full((n, 4), np.nan), np.full((n, 4), np.nan), np.zeros(n)
-    for row in np.flatnonzero(whole):
+    for row in np.flatnonzero(whole).tolist():
         full[row] = np.concatenate([pixels[row].min(axis=0), pixels[row].max(axis=0)])
         box, count = _visible_part(instances, row, full[row])
         if count:
@@ -56,8 +56,8 @@ def silhouette_pixels(outline_px: FloatArray) -> int:
     u, v = np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1)
     # a, b, c of a u + b v + c <= 0 inside, one row per side of the hull
     a, b, c = hull.equations.T
-    inside: BoolArray = (a[:, None, None] * u + (b[:, None] * v + c[:, None])[:, :, None] <= 0.0).all(axis=0)
-    return int(inside.sum())
+    beyond = a[:, None, None] * u + (b[:, None] * v + c[:, None])[:, :, None] > 0.0  # (S, rows, columns)
+    return int((~beyond.any(axis=0)).sum())
 
 
 def _visible_part(instances: ImageArray, row: int, full_box_px: FloatArray) -> tuple[FloatArray, int]:

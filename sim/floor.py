@@ -20,13 +20,14 @@ def floor_texture(rng: np.random.Generator) -> ImageArray:
     n, tiles = _TEXELS, round(PERIOD_M / TILE_M)
     tile_of = np.arange(n) * tiles // n
     tone = rng.normal(0.0, 5.0, (tiles, tiles, 1)) + rng.normal(0.0, 1.5, (tiles, tiles, 3))
-    picture = np.array([176.0, 171.0, 162.0]) + tone[tile_of][:, tile_of]  # (n, n, 3)
-    for sigma, strength in ((48.0, 4.0), (9.0, 3.0), (1.2, 3.0)):
-        picture += _mottle(rng, n, sigma, strength)[..., None]
+    picture = (np.array([176.0, 171.0, 162.0]) + tone).astype(np.float32)[tile_of][:, tile_of]  # (n, n, 3)
+    for cells, strength in ((32, 4.0), (128, 3.0), (1024, 3.0)):
+        picture += _mottle(rng, n, cells, strength)[..., None]
     inside = np.abs((np.arange(n) + 0.5) * PERIOD_M / n % TILE_M - TILE_M / 2)
     to_edge = TILE_M / 2 - np.maximum(inside[:, None], inside[None, :])  # metres to the nearest tile edge
     grout = np.clip((_GROUT_M / 2 - to_edge) / 0.001 + 0.5, 0.0, 1.0)[..., None]
-    return np.clip(picture * (1 - grout) + np.array([112.0, 108.0, 103.0]) * grout, 0, 255).astype(np.uint8)
+    picture += (np.array([112.0, 108.0, 103.0], np.float32) - picture) * grout.astype(np.float32)
+    return np.clip(picture, 0, 255).astype(np.uint8)
 
 
 def control_points(floor_m: FloatArray, keep_clear_m: FloatArray, *, clearance_m: float) -> FloatArray:
@@ -51,10 +52,11 @@ def floor_around(low_m: FloatArray, high_m: FloatArray) -> FloatArray:
     return np.concatenate([low, high])
 
 
-def _mottle(rng: np.random.Generator, n: int, sigma_px: float, strength: float) -> FloatArray:
-    """Soft random spots of standard deviation ``strength``, continued over the edges; (n, n)."""
-    noise = rng.normal(size=(n, n)).astype(np.float32)
-    border = int(3 * sigma_px) + 1
-    padded = np.pad(noise, border, mode="wrap")
-    smooth = cv2.GaussianBlur(padded, (0, 0), sigma_px)[border:-border, border:-border]
-    return np.asarray(smooth * (strength / smooth.std()), dtype=np.float64)
+def _mottle(rng: np.random.Generator, n: int, cells: int, strength: float) -> FloatArray:
+    """Soft random spots, ``cells`` along each side, of standard deviation ``strength``, continued over the edges."""
+    border = 4  # cells, more than a cubic reaches
+    coarse = np.pad(rng.normal(size=(cells, cells)).astype(np.float32), border, mode="wrap")
+    whole = round(n * (cells + 2 * border) / cells)
+    margin = (whole - n) // 2
+    smooth = cv2.resize(coarse, (whole, whole), interpolation=cv2.INTER_CUBIC)[margin : margin + n, margin : margin + n]
+    return np.asarray(smooth * (strength / smooth.std()))

@@ -62,7 +62,7 @@ class ShadowBand:
         """Share (...) of the beams taken away at ground points (..., 2)."""
         normal = np.array([math.cos(self.across_rad), math.sin(self.across_rad)])
         inside = self.half_width_m - np.abs(ground_m @ normal - self.centre_m)  # (...)
-        return self.strength * np.clip(inside / self.edge_m + 0.5, 0.0, 1.0)
+        return np.asarray(self.strength * np.clip(inside / self.edge_m + 0.5, 0.0, 1.0))
 
 
 @dataclass(frozen=True)

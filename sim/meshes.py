@@ -25,7 +25,7 @@ def merged(meshes: list[Mesh]) -> Mesh:
 
 
 def ribbon(line_m: FloatArray, *, left_m: float, right_m: float, bottom_m: float, top_m: float) -> Mesh:
-    """A bar along ``line_m`` (N, 2) between two parallels ``left_m`` and ``right_m`` to the left of it; no underside."""
+    """A bar along ``line_m`` (N, 2) between its parallels ``left_m`` and ``right_m`` to the left; no underside."""
     tangent = np.gradient(line_m, axis=0)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     left = np.column_stack([-tangent[:, 1], tangent[:, 0]])
@@ -76,5 +76,5 @@ def _strip(first: FloatArray, second: FloatArray) -> Mesh:
 def _quads(corners_m: FloatArray) -> Mesh:
     """Quadrilaterals (Q, 4, 3), corners counter-clockwise."""
     first = 4 * np.arange(len(corners_m))[:, None]
-    faces = np.concatenate([first + [0, 1, 2], first + [0, 2, 3]])
+    faces = np.concatenate([first + np.array(half) for half in ((0, 1, 2), (0, 2, 3))])
     return Mesh(corners_m.reshape(-1, 3), faces)

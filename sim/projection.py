@@ -35,9 +35,10 @@ def undistorted(intrinsics: Intrinsics, pixels: FloatArray) -> FloatArray:
     # the default of five iterations leaves 0.01 px at the corners of a wide lens
     criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-12)
     points = np.ascontiguousarray(pixels, dtype=np.float64).reshape(-1, 1, 2)
-    return cv2.undistortPoints(
+    straight = cv2.undistortPoints(
         points, intrinsics.matrix, intrinsics.distortion, None, np.eye(3), np.eye(3), criteria
-    ).reshape(-1, 2)
+    )
+    return np.asarray(straight, np.float64).reshape(-1, 2)
 
 
 def trusted_radius(intrinsics: Intrinsics) -> float:

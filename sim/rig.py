@@ -68,7 +68,9 @@ class CameraSpec:
         width, height = self.resolution_px
         cx, cy = self.principal_px or ((width - 1) / 2, (height - 1) / 2)
         intrinsics = Intrinsics(width, height, self.focal_px, self.focal_px, cx, cy, np.zeros(5))
-        return Camera(self.name, intrinsics, Pose(look_down(self.tilt_deg, self.azimuth_deg), np.array(self.position_m)))
+        return Camera(
+            self.name, intrinsics, Pose(look_down(self.tilt_deg, self.azimuth_deg), np.array(self.position_m))
+        )
 
 
 @dataclass(frozen=True)

@@ -1,30 +1,10 @@
-"""The scene: everything that stands still, as MuJoCo geometry."""
+"""The scene: everything that stands still, in numbers. ``sim.scene_model`` builds it for MuJoCo."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-import mujoco
 import numpy as np
 
 from contracts import FloatArray, SwitchState
-from sim.floor import MARK_RADIUS_M, PERIOD_M, floor_texture
-from sim.meshes import Mesh, boxes, discs, merged, ribbon
-from sim.streams import stream
-
-FLOOR_Z_M = -0.0005  # just below the marks, which lie exactly on z = 0
-SPOT_RADIUS_M = 0.005
-SPOT_HEIGHT_M = 0.006  # the lid of a switch machine
-
-_GAUGE_M = 0.032
-_RAIL_M = (0.0028, 0.0035, 0.0085)  # width, bottom, top
-_SLEEPER_M = (0.010, 0.062, 0.0035)  # along the track, across, height
-_SLEEPER_STEP_M = 0.030
-
-_YELLOW = (0.93, 0.79, 0.08)
-_RAIL = (0.55, 0.53, 0.51)
-_SLEEPER = (0.27, 0.21, 0.16)
-_MACHINE = (0.16, 0.16, 0.17)
-_BALISE = (0.85, 0.84, 0.80)
-_BUFFER = (0.30, 0.27, 0.25)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,119 +34,7 @@ class Scene:
     control_points_m: FloatArray
     centrelines_m: tuple[FloatArray, ...] = ()
     spots: tuple[Spot, ...] = ()
-    balises_m: FloatArray | None = None
-    buffers_m: FloatArray | None = None
-    clutter_m: FloatArray | None = None
+    balises_m: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
+    buffers_m: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
+    clutter_m: FloatArray = field(default_factory=lambda: np.empty((0, 6)))
     seed: int = 0
-
-
-def build_model(scene: Scene, *, buffer_px: tuple[int, int]) -> mujoco.MjModel:
-    """Compile the scene for off-screen pictures of at most ``buffer_px`` (width, height).
-
-    Geoms named ``spot/<switch>`` are the switch spots; their colour is the renderer's to change.
-    """
-    spec = mujoco.MjSpec()
-    _set_quality(spec, buffer_px)
-    _add_floor(spec, scene)
-    for name, mesh, colour in _furniture(scene):
-        _add_mesh(spec, name, mesh, colour)
-    _add_clutter(spec, scene)
-    return spec.compile()
-
-
-def _set_quality(spec: mujoco.MjSpec, buffer_px: tuple[int, int]) -> None:
-    spec.visual.global_.offwidth, spec.visual.global_.offheight = buffer_px
-    quality = spec.visual.quality
-    quality.offsamples, quality.shadowsize = 4, 2048
-    quality.numslices = quality.numstacks = 8
-    quality.numquads = 1
-    spec.visual.headlight.active = 0
-    spec.stat.extent, spec.stat.center = 1.0, (0.0, 0.0, 0.0)
-
-
-def _add_floor(spec: mujoco.MjSpec, scene: Scene) -> None:
-    x0, y0, x1, y1 = scene.floor_m
-    picture = floor_texture(stream(scene.seed, "floor"))
-    texture = spec.add_texture(
-        name="floor", type=mujoco.mjtTexture.mjTEXTURE_2D, width=picture.shape[1], height=picture.shape[0], nchannel=3
-    )
-    texture.data = picture.tobytes()
-    repeat = ((x1 - x0) / PERIOD_M, (y1 - y0) / PERIOD_M)
-    material = spec.add_material(name="floor", texuniform=False, texrepeat=repeat, specular=0, shininess=0)
-    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "floor"
-    spec.worldbody.add_geom(
-        name="floor",
-        type=mujoco.mjtGeom.mjGEOM_PLANE,
-        size=[(x1 - x0) / 2, (y1 - y0) / 2, 1.0],
-        pos=[(x0 + x1) / 2, (y0 + y1) / 2, FLOOR_Z_M],
-        material="floor",
-    )
-
-
-def _furniture(scene: Scene) -> list[tuple[str, Mesh, tuple[float, float, float]]]:
-    """Name, mesh and colour of everything but floor and clutter."""
-    parts = [("marks", discs(scene.control_points_m, MARK_RADIUS_M), _YELLOW)]
-    if scene.centrelines_m:
-        parts.append(("rails", merged([rail for line in scene.centrelines_m for rail in _rails(line)]), _RAIL))
-        parts.append(("sleepers", merged([_sleepers(line) for line in scene.centrelines_m]), _SLEEPER))
-    for spot in scene.spots:
-        at, heading = spot.position_m[None], np.array([spot.heading_rad])
-        parts.append((f"machine/{spot.switch}", boxes(at, heading, np.array([0.030, 0.016, SPOT_HEIGHT_M])), _MACHINE))
-        lid = np.column_stack([at, [SPOT_HEIGHT_M + 0.0003]])
-        parts.append((f"spot/{spot.switch}", discs(lid, SPOT_RADIUS_M), _MACHINE))
-    if scene.balises_m is not None and len(scene.balises_m):
-        places = scene.balises_m
-        parts.append(("balises", boxes(places[:, :2], places[:, 2], np.array([0.012, 0.008, 0.005])), _BALISE))
-    if scene.buffers_m is not None and len(scene.buffers_m):
-        places = scene.buffers_m
-        parts.append(("buffers", boxes(places[:, :2], places[:, 2], np.array([0.008, 0.050, 0.030])), _BUFFER))
-    return parts
-
-
-def _rails(line_m: FloatArray) -> list[Mesh]:
-    width, bottom, top = _RAIL_M
-    return [
-        ribbon(line_m, left_m=side + width / 2, right_m=side - width / 2, bottom_m=bottom, top_m=top)
-        for side in (-_GAUGE_M / 2, _GAUGE_M / 2)
-    ]
-
-
-def _sleepers(line_m: FloatArray) -> Mesh:
-    """Sleepers at equal distances along the line, none at its very ends."""
-    step = np.diff(line_m, axis=0)
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*step.T))])
-    count = max(1, round(along[-1] / _SLEEPER_STEP_M))
-    at = (np.arange(count) + 0.5) * (along[-1] / count)
-    centres = np.column_stack([np.interp(at, along, line_m[:, k]) for k in range(2)])
-    segment = np.clip(np.searchsorted(along, at) - 1, 0, len(step) - 1)
-    return boxes(centres, np.arctan2(step[segment, 1], step[segment, 0]), np.array(_SLEEPER_M))
-
-
-def _add_mesh(spec: mujoco.MjSpec, name: str, mesh: Mesh, colour: tuple[float, float, float]) -> None:
-    spec.add_mesh(
-        name=name,
-        uservert=mesh.vertices_m.ravel().tolist(),
-        userface=mesh.faces.ravel().tolist(),
-        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
-    )
-    spec.worldbody.add_geom(
-        name=name, type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, rgba=[*colour, 1.0], contype=0, conaffinity=0
-    )
-
-
-def _add_clutter(spec: mujoco.MjSpec, scene: Scene) -> None:
-    """Boxes in dull colours: nothing there may pass for a vehicle."""
-    if scene.clutter_m is None:
-        return
-    rng = stream(scene.seed, "clutter/colour")
-    for x, y, heading, length, width, height in scene.clutter_m:
-        colour = rng.uniform(0.25, 0.6) + rng.normal(0.0, 0.03, 3)
-        spec.worldbody.add_geom(
-            type=mujoco.mjtGeom.mjGEOM_BOX,
-            size=[length / 2, width / 2, height / 2],
-            pos=[x, y, height / 2],
-            quat=[np.cos(heading / 2), 0.0, 0.0, np.sin(heading / 2)],
-            rgba=[*np.clip(colour, 0.05, 0.9), 1.0],
-            contype=0,
-            conaffinity=0,
-        )

@@ -49,13 +49,15 @@ class Sensor:
         """The image (H, W, 3) as the sensor delivers frame ``index``; the input stays as it is."""
         spec = self._spec
         if spec.defocus_px:
-            image = cv2.GaussianBlur(image, (0, 0), spec.defocus_px, borderType=cv2.BORDER_REPLICATE)
+            blurred = cv2.GaussianBlur(image, (0, 0), spec.defocus_px, borderType=cv2.BORDER_REPLICATE)
+            image = np.asarray(blurred, np.uint8)
         if spec.gain != 1.0:
-            image = cv2.convertScaleAbs(image, alpha=spec.gain)
+            image = np.asarray(cv2.convertScaleAbs(image, alpha=spec.gain), np.uint8)
         return self._with_noise(image, index) if spec.noise else image
 
     def _with_noise(self, image: ImageArray, index: int) -> ImageArray:
         """Add the pool of noise, shifted at random: fresh normal noise would cost more than the whole frame."""
         top, left = stream(self._seed, f"{self._concern}/{index}").integers(0, _POOL_SPARE_PX, 2)
         window = np.s_[top : top + image.shape[0], left : left + image.shape[1]]
-        return cv2.subtract(cv2.add(image, self._brighter[window]), self._darker[window])
+        noisy = cv2.subtract(cv2.add(image, self._brighter[window]), self._darker[window])
+        return np.asarray(noisy, np.uint8)

@@ -16,13 +16,13 @@ def world_points(camera: Camera, depth_m: NDArray[np.float32]) -> FloatArray:
     x = (np.arange(width) - numbers.cx_px) / numbers.fx_px
     y = (np.arange(height) - numbers.cy_px) / numbers.fy_px
     in_camera = np.stack([depth_m * x, depth_m * y[:, None], depth_m], axis=-1)  # (H, W, 3)
-    return in_camera @ camera.pose.world_from_camera.T + camera.pose.position_m
+    return np.asarray(in_camera @ camera.pose.world_from_camera.T + camera.pose.position_m)
 
 
 def along_beam(points_m: FloatArray, beam: Beam) -> FloatArray:
     """Where the beam through each point (..., 3) meets the ground, (..., 2)."""
     direction = beam.direction
-    return points_m[..., :2] - points_m[..., 2:] * (direction[:2] / direction[2])
+    return np.asarray(points_m[..., :2] - points_m[..., 2:] * (direction[:2] / direction[2]))
 
 
 def mixed(lit: ImageArray, unlit: ImageArray, shade: FloatArray) -> ImageArray:

@@ -13,7 +13,8 @@ from contracts import Camera, FloatArray, ImageArray, SwitchState
 from contracts.truth import Truth
 from sim.colours import Colour
 from sim.lights import Light
-from sim.scene import Scene, build_model
+from sim.scene import Scene
+from sim.scene_model import build_model
 
 NEAR_M, FAR_M = 0.05, 50.0
 
@@ -85,7 +86,7 @@ class Stage:
         return np.ascontiguousarray(rgb[::-1, :, ::-1])
 
     def identities(self) -> tuple[ImageArray, NDArray[np.float32]]:
-        """Which vehicle each pixel shows, (H, W) uint8 as in ``Rendered.instances``, and its depth along the axis, m."""
+        """Which vehicle each pixel shows, (H, W) as in ``Rendered.instances``; its depth along the axis, m."""
         drawn, size = self._drawn, self._viewport
         drawn.flags[_Flag.mjRND_SEGMENT] = drawn.flags[_Flag.mjRND_IDCOLOR] = True
         drawn.flags[_Flag.mjRND_SHADOW] = False
@@ -110,9 +111,7 @@ def _static_geometry(model: mujoco.MjModel) -> mujoco.MjvScene:
     drawn = mujoco.MjvScene(model, maxgeom=model.ngeom + 255)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    mujoco.mjv_updateScene(
-        model, data, mujoco.MjvOption(), None, mujoco.MjvCamera(), mujoco.mjtCatBit.mjCAT_ALL, drawn
-    )
+    mujoco.mjv_updateScene(model, data, mujoco.MjvOption(), None, mujoco.MjvCamera(), mujoco.mjtCatBit.mjCAT_ALL, drawn)
     for geom in drawn.geoms[: drawn.ngeom]:
         geom.segid = _STATIC_SEGID
         geom.specular = geom.shininess = geom.reflectance = geom.emission = 0.0

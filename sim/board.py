@@ -1,0 +1,137 @@
+"""The checkerboard that is held before a camera, drawn exactly: every edge is where the print has it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from contracts import Camera, Checkerboard, FloatArray, Frame, ImageArray, Intrinsics, Pose
+from sim.lens import Lens
+from sim.projection import project
+from sim.sensor import Sensor, SensorSpec
+from sim.streams import stream
+
+BOARD = Checkerboard(columns=9, rows=6, square_m=0.04)
+VIEWS = 20
+
+_BLACK, _WHITE, _ROOM = 28.0, 224.0, 96.0  # grey levels of print, paper and what is behind
+_PAPER_SQUARES = 0.9  # white margin around the outer squares
+_TILT_RAD = np.radians(38.0)
+_MARGIN_PX = 12.0
+
+
+@dataclass(frozen=True, eq=False)
+class BoardPose:
+    """Where the board is: ``point_in_camera = camera_from_board @ (x, y, 0) + origin_m``.
+
+    Board axes: x along the columns, y along the rows, origin at the first inner corner, metres.
+    """
+
+    camera_from_board: FloatArray
+    origin_m: FloatArray
+
+    def corners_in_camera(self, board: Checkerboard) -> FloatArray:
+        """Inner corners, (rows * columns, 3), row by row."""
+        x, y = np.meshgrid(np.arange(board.columns), np.arange(board.rows))
+        flat = np.stack([x, y, np.zeros_like(x)], axis=-1).reshape(-1, 3) * board.square_m
+        corners: FloatArray = flat @ self.camera_from_board.T + self.origin_m
+        return corners
+
+
+def board_views(
+    camera: Camera, lens: Lens, sensor: SensorSpec, board: Checkerboard, *, seed: int, noise_seed: int
+) -> Iterator[Frame]:
+    """``VIEWS`` frames of the board in poses drawn from ``seed``, all inner corners inside the image."""
+    size = camera.intrinsics
+    film = Sensor(sensor, f"{camera.name}/board", size.width_px, size.height_px, noise_seed)
+    for index, pose in enumerate(board_poses(size, board, stream(seed, f"board/{camera.name}"))):
+        picture = lens.bend(draw_board(lens.pinhole, board, pose))
+        yield Frame(camera.name, index, index * 1_000_000_000, film.expose(picture, index))
+
+
+def board_poses(intrinsics: Intrinsics, board: Checkerboard, rng: np.random.Generator) -> list[BoardPose]:
+    """Poses that fill the image: centres spread over it, tilts to all sides, some near and some far."""
+    poses = []
+    for index in range(VIEWS):
+        # an additive recurrence on the golden ratios of the plane spreads any number of points evenly (Roberts 2018)
+        spread = np.mod(0.5 + (index + 1) * np.array([0.7548776662, 0.5698402910]), 1.0) * 2.0 - 1.0
+        turn = _turn(rng)
+        share = rng.uniform(0.42, 0.72)
+        poses.append(_fitted(intrinsics, board, turn, spread, share))
+    return poses
+
+
+def draw_board(pinhole: Intrinsics, board: Checkerboard, pose: BoardPose) -> ImageArray:
+    """The board through a pinhole, (H, W, 3), each pixel the mean over its area to first order."""
+    to_image = pinhole.matrix @ np.column_stack([pose.camera_from_board[:, :2] * board.square_m, pose.origin_m])
+    to_board = np.linalg.inv(to_image)
+    u, v = np.meshgrid(np.arange(float(pinhole.width_px)), np.arange(float(pinhole.height_px)))
+    w = to_board[2, 0] * u + to_board[2, 1] * v + to_board[2, 2]
+    x, y = (_Axis.of(row, to_board[2], u, v, w) for row in to_board[:2])
+    # squares: columns + 1 by rows + 1, from -1 to columns and to rows
+    printed = x.between(-1.0, board.columns) * y.between(-1.0, board.rows)
+    paper = x.between(-1.0 - _PAPER_SQUARES, board.columns + _PAPER_SQUARES)
+    paper *= y.between(-1.0 - _PAPER_SQUARES, board.rows + _PAPER_SQUARES)
+    black = printed * (1.0 + x.stripes(board.columns - 1) * y.stripes(board.rows - 1)) / 2.0
+    level = _ROOM + paper * (_WHITE - _ROOM) + black * (_BLACK - _WHITE)
+    grey = np.rint(level).astype(np.uint8)
+    return np.repeat(grey[..., None], 3, axis=2)
+
+
+@dataclass(frozen=True, eq=False)
+class _Axis:
+    """One board coordinate over the image, in squares, and how much of it one pixel spans; both (H, W)."""
+
+    at: FloatArray
+    per_px: FloatArray
+
+    @classmethod
+    def of(cls, row: FloatArray, scale: FloatArray, u: FloatArray, v: FloatArray, w: FloatArray) -> "_Axis":
+        at = (row[0] * u + row[1] * v + row[2]) / w
+        return cls(at, np.hypot(row[0] - at * scale[0], row[1] - at * scale[1]) / np.abs(w))
+
+    def between(self, low: float, high: float) -> FloatArray:
+        """Share of each pixel for which the coordinate lies between two bounds."""
+        inside = np.minimum(self.at - low, high - self.at)
+        return np.asarray(np.clip(inside / self.per_px + 0.5, 0.0, 1.0))
+
+    def stripes(self, last: int) -> FloatArray:
+        """+1 and -1 in turn from square to square, a ramp of one pixel between; the last inner edge is ``last``."""
+        nearest = np.clip(np.rint(self.at), 0, last)
+        ramp = np.clip(2.0 * (self.at - nearest) / self.per_px, -1.0, 1.0)
+        return np.asarray(np.where(nearest % 2 == 0, ramp, -ramp))
+
+
+def _turn(rng: np.random.Generator) -> FloatArray:
+    """A board that faces the camera, tilted to a random side and turned a little in its plane."""
+    side, tilt, roll = rng.uniform(-np.pi, np.pi), rng.uniform(0.25, 1.0) * _TILT_RAD, rng.normal(0.0, 0.15)
+    tilted, _ = cv2.Rodrigues(np.array([np.cos(side), np.sin(side), 0.0]) * tilt)
+    rolled, _ = cv2.Rodrigues(np.array([0.0, 0.0, roll]))
+    return np.asarray(tilted @ rolled, dtype=np.float64)
+
+
+def _fitted(
+    intrinsics: Intrinsics, board: Checkerboard, turn: FloatArray, spread: FloatArray, share: float
+) -> BoardPose:
+    """The board as far out towards ``spread`` (in [-1, 1] of the image) as its corners stay inside.
+
+    share: of the image's width that the board takes.
+    """
+    middle = turn @ np.array([board.columns - 1, board.rows - 1, 0.0]) * board.square_m / 2
+    distance = intrinsics.fx_px * (board.columns + 1) * board.square_m / (share * intrinsics.width_px)
+    distance = max(distance, intrinsics.fy_px * (board.rows + 1) * board.square_m / (0.8 * intrinsics.height_px))
+    reach = np.array([intrinsics.width_px / intrinsics.fx_px, intrinsics.height_px / intrinsics.fy_px]) / 2
+    for outward in np.linspace(1.0, 0.0, 21):
+        centre = np.array([*(spread * outward * reach), 1.0]) * distance
+        pose = BoardPose(turn, centre - middle)
+        if _inside(intrinsics, pose.corners_in_camera(board)):
+            break
+    return pose
+
+
+def _inside(intrinsics: Intrinsics, points_in_camera: FloatArray) -> bool:
+    """Whether all points show inside the image, a margin away from its edge."""
+    pixels, valid = project(Camera("board", intrinsics, Pose(np.eye(3), np.zeros(3))), points_in_camera)
+    far = np.array([intrinsics.width_px, intrinsics.height_px]) - 1 - _MARGIN_PX
+    return bool(valid.all() and (pixels >= _MARGIN_PX).all() and (pixels <= far).all())

@@ -1,0 +1,134 @@
+"""The film crew: all cameras of a rig, in this process or shared among several; the frames are the same."""
+
+import multiprocessing
+import os
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+
+import cv2
+
+from contracts import Camera, Frame, GantryError
+from contracts.truth import CameraTruth, Truth
+from sim.film import CameraFilm
+from sim.full_renderer import FullRenderer
+from sim.lens import Lens, pinhole_camera
+from sim.lights import LightPreset
+from sim.scene import Scene
+from sim.sensor import SensorSpec
+
+Take = tuple[Frame, CameraTruth]
+
+_AHEAD = 3  # states under way to each worker: enough to keep it busy, few enough to keep memory small
+
+
+@dataclass(frozen=True, eq=False)
+class FilmSpec:
+    """All that decides a film, given the states of the world."""
+
+    scene: Scene
+    cameras: tuple[Camera, ...]
+    light: LightPreset
+    sensor: SensorSpec
+    noise_seed: int
+    keep_instances: bool
+
+
+def film(spec: FilmSpec, states: Iterable[Truth], *, workers: int) -> Iterator[tuple[Take, ...]]:
+    """Film every state with every camera, in the order of ``spec.cameras``.
+
+    workers: 1 films here; more share the cameras among so many processes (never more than cameras).
+    """
+    workers = min(workers, len(spec.cameras))
+    if workers <= 1:
+        yield from _film_here(spec, states)
+        return
+    shares = [replace(spec, cameras=spec.cameras[k::workers]) for k in range(workers)]
+    order = {camera.name: k for k, camera in enumerate(spec.cameras)}
+    team = [_Worker(share) for share in shares]
+    try:
+        for takes in _through(team, states):
+            yield tuple(sorted(takes, key=lambda take: order[take[0].camera]))
+    finally:
+        for worker in team:
+            worker.dismiss()
+
+
+def _film_here(spec: FilmSpec, states: Iterable[Truth]) -> Iterator[tuple[Take, ...]]:
+    lenses = [Lens.of(camera.intrinsics) for camera in spec.cameras]
+    pinholes = [pinhole_camera(camera, lens) for camera, lens in zip(spec.cameras, lenses, strict=True)]
+    renderer = FullRenderer(spec.scene, pinholes, spec.light)
+    films = [
+        CameraFilm(camera, lens, renderer, spec.sensor, noise_seed=spec.noise_seed, keep_instances=spec.keep_instances)
+        for camera, lens in zip(spec.cameras, lenses, strict=True)
+    ]
+    try:
+        for state in states:
+            yield tuple(camera.shoot(state) for camera in films)
+    finally:
+        renderer.close()
+
+
+def _through(team: Sequence["_Worker"], states: Iterable[Truth]) -> Iterator[list[Take]]:
+    """Send states to all workers a little ahead of what has come back."""
+    under_way: deque[None] = deque()
+    for state in states:
+        for worker in team:
+            worker.inbox.send(state)
+        under_way.append(None)
+        if len(under_way) >= _AHEAD:
+            under_way.popleft()
+            yield [take for worker in team for take in worker.takes()]
+    while under_way:
+        under_way.popleft()
+        yield [take for worker in team for take in worker.takes()]
+
+
+class _Worker:
+    """A process that films with its share of the cameras."""
+
+    def __init__(self, share: FilmSpec) -> None:
+        context = multiprocessing.get_context("spawn")  # a forked OpenGL context would be shared, and break
+        self.inbox, theirs = context.Pipe()
+        self._process: BaseProcess = context.Process(target=_work, args=(share, theirs), daemon=True)
+        self._process.start()
+        theirs.close()
+
+    def takes(self) -> tuple[Take, ...]:
+        """What the worker's cameras made of the oldest state under way."""
+        try:
+            answer: tuple[Take, ...] | GantryError = self.inbox.recv()
+        except EOFError as error:
+            raise GantryError(f"a film process ended with exit status {self._process.exitcode}") from error
+        if isinstance(answer, GantryError):
+            raise answer
+        return answer
+
+    def dismiss(self) -> None:
+        """End the process, busy or not."""
+        self.inbox.close()
+        self._process.terminate()
+        self._process.join()
+
+
+def _work(share: FilmSpec, outbox: Connection) -> None:
+    """Film states from ``outbox`` until it closes."""
+    os.environ["LP_NUM_THREADS"] = "0"  # one thread for Mesa and one for OpenCV: the processes share the cores
+    cv2.setNumThreads(1)
+
+    def states() -> Iterator[Truth]:
+        while True:
+            try:
+                yield outbox.recv()
+            except EOFError:
+                return
+
+    try:
+        for takes in _film_here(share, states()):
+            outbox.send(takes)
+    except GantryError as error:
+        outbox.send(error)
+    except BrokenPipeError:  # nobody listens any more
+        pass

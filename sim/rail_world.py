@@ -1,0 +1,100 @@
+"""The rail world: vehicles on a plant, filmed by a rig of cameras, with exact truth."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Protocol
+
+from contracts import Camera, Frame, InputError, Survey
+from contracts.truth import Step, Truth
+from rail import Plant
+from sim.board import BOARD, board_views
+from sim.lens import Lens
+from sim.lights import LightPreset
+from sim.plant_scene import scene_of_plant
+from sim.rig import RigSpec, nominal_cameras, true_cameras
+
+
+class Motion(Protocol):
+    """What moves; ``sim.rail_motion`` is the one for trains."""
+
+    def run(self, times_ns: Sequence[int]) -> Iterator[Truth]:
+        """The state at each moment, without cameras; the same each time it is called."""
+        ...
+
+
+class RailWorld:
+    """A ``contracts.truth.World``.
+
+    times_ns: mid-exposures of the frames.
+    seed: decides the true cameras, the floor and the clutter; the motion has its own.
+    noise_seed: of the sensors' noise; ``seed`` if not given.
+    film: False gives the truth without frames, and needs no graphics.
+    workers: processes that share the cameras; the frames are the same for any number.
+    """
+
+    def __init__(
+        self,
+        plant: Plant,
+        motion: Motion,
+        times_ns: Sequence[int],
+        *,
+        rig: RigSpec,
+        light: LightPreset | str,
+        seed: int,
+        noise_seed: int | None = None,
+        film: bool = True,
+        workers: int = 1,
+        keep_instances: bool = True,
+    ) -> None:
+        if light not in list(LightPreset):
+            raise InputError(f"light {light!r} is unknown; choose from {', '.join(LightPreset)}")
+        self._motion, self._times_ns, self._rig = motion, tuple(times_ns), rig
+        self._light = LightPreset(light)
+        self._seed, self._noise_seed = seed, seed if noise_seed is None else noise_seed
+        self._film, self._workers, self._keep_instances = film, workers, keep_instances
+        self._cameras = true_cameras(rig, seed)
+        self._scene = scene_of_plant(plant, self._cameras, seed)
+        self._survey = Survey(nominal_cameras(rig), self._scene.control_points_m, BOARD)
+
+    @property
+    def survey(self) -> Survey:
+        """Nominal cameras, the marks on the floor, the checkerboard."""
+        return self._survey
+
+    @property
+    def cameras(self) -> tuple[Camera, ...]:
+        """The true cameras."""
+        return self._cameras
+
+    def __len__(self) -> int:
+        return len(self._times_ns)
+
+    def steps(self) -> Iterator[Step]:
+        """Film the run from its start."""
+        if not self._film:
+            yield from (Step((), state) for state in self._motion.run(self._times_ns))
+            return
+        from sim.crew import FilmSpec, film  # loads OpenGL
+
+        spec = FilmSpec(
+            self._scene, self._cameras, self._light, self._rig.sensor, self._noise_seed, self._keep_instances
+        )
+        states = list(self._motion.run(self._times_ns))
+        for state, takes in zip(states, film(spec, states, workers=self._workers), strict=True):
+            frames, views = zip(*takes, strict=True)
+            yield Step(frames, replace(state, cameras=views))
+
+    def board_views(self, camera: str) -> Iterator[Frame]:
+        """The checkerboard in many poses before ``camera``; InputError if the rig has no such camera."""
+        known = {each.name: each for each in self._cameras}
+        if camera not in known:
+            raise InputError(f"camera {camera} is not in this rig; it has {', '.join(known)}")
+        chosen = known[camera]
+        return board_views(
+            chosen,
+            Lens.of(chosen.intrinsics),
+            self._rig.sensor,
+            BOARD,
+            seed=self._seed,
+            noise_seed=self._noise_seed,
+        )

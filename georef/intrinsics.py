@@ -10,7 +10,7 @@ from contracts.arrays import freeze
 from georef.checkerboard import board_points, find_corners
 from georef.homography import fit_homography
 from georef.projection import project_with_derivatives
-from georef.refinement import inverse_normal, moved_intrinsics, moved_pose, refine
+from georef.refinement import Linear, inverse_normal, moved_intrinsics, moved_pose, refine
 
 LEAST_VIEWS = 3  # Zhang 2000, section 3.1
 _LARGEST_FOCAL_ERROR = 0.05  # standard deviation over focal length beyond which views are called degenerate
@@ -69,11 +69,10 @@ def calibrate_from_corners(
     homographies = [fit_homography(points[:, :2], view) for view in corners_px]
     start = _closed_form(homographies, width_px, height_px)
     poses = tuple(_pose_of_board(start, homography) for homography in homographies)
-    (intrinsics, _), residuals, jacobian = refine(
-        (start, poses), lambda state: _linearise(state, points, corners_px), _move
-    )
-    noise = float(np.sqrt(residuals @ residuals / (len(residuals) - jacobian.shape[1])))
-    covariance = noise**2 * inverse_normal(jacobian)[:9, :9]
+    (intrinsics, _), solution = refine((start, poses), lambda state: _linearise(state, points, corners_px), _move)
+    residuals = solution.residuals
+    noise = float(np.sqrt(solution.cost / (len(residuals) - len(solution.gradient))))
+    covariance = noise**2 * inverse_normal(solution.normal)[:9, :9]
     if np.sqrt(covariance[0, 0]) > _LARGEST_FOCAL_ERROR * intrinsics.fx_px:
         raise CalibrationError(_PARALLEL)
     rms = float(np.sqrt(np.mean(residuals**2)))
@@ -122,19 +121,20 @@ def _pose_of_board(intrinsics: Intrinsics, homography: FloatArray) -> Pose:
 _State = tuple[Intrinsics, tuple[Pose, ...]]
 
 
-def _linearise(state: _State, points: FloatArray, corners_px: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Residuals and jacobian over all views: 9 shared columns, then 6 for each view's pose."""
+def _linearise(state: _State, points: FloatArray, corners_px: FloatArray) -> Linear:
+    """All views together: 9 shared columns, then 6 for each view's pose; the views meet only in the shared ones."""
     intrinsics, poses = state
-    views, rows = len(poses), 2 * len(points)
-    residuals = np.empty((views, rows))
-    jacobian = np.zeros((views, rows, 9 + 6 * views))
+    residuals = np.empty((len(poses), 2 * len(points)))
+    normal = np.zeros((9 + 6 * len(poses),) * 2)
+    gradient = np.zeros(len(normal))
     for view, pose in enumerate(poses):
         projection = project_with_derivatives(Camera("board", intrinsics, pose), points)
         residuals[view] = (projection.pixels - corners_px[view]).ravel()
-        derivatives = projection.by_parameters.reshape(rows, -1)
-        jacobian[view, :, :9] = derivatives[:, :9]
-        jacobian[view, :, 9 + 6 * view : 15 + 6 * view] = derivatives[:, 9:]
-    return residuals.ravel(), jacobian.reshape(views * rows, -1)
+        jacobian = projection.by_parameters.reshape(-1, 15)
+        columns = np.r_[0:9, 9 + 6 * view : 15 + 6 * view]
+        normal[np.ix_(columns, columns)] += jacobian.T @ jacobian
+        gradient[columns] += jacobian.T @ residuals[view]
+    return Linear(residuals.ravel(), normal, gradient)
 
 
 def _move(state: _State, step: FloatArray) -> _State:

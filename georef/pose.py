@@ -6,7 +6,7 @@ import numpy as np
 from contracts import CalibrationError, Camera, FloatArray, InputError, Intrinsics, Pose
 from georef.calibrated import CalibratedCamera
 from georef.projection import Projection, project_with_derivatives, undistort
-from georef.refinement import inverse_normal, moved_camera, moved_intrinsics, moved_pose, refine
+from georef.refinement import Linear, inverse_normal, moved_camera, moved_intrinsics, moved_pose, refine
 
 LEAST_POINTS = 4
 _NOISE_PX = 0.05  # what a mark's error is believed to be beforehand ...
@@ -38,15 +38,15 @@ def fit_pose(start: Camera, points_m: FloatArray, pixels: FloatArray) -> tuple[C
     """The pose near ``start`` with the least squared residuals, intrinsics held; and the residuals (N, 2) in pixels."""
     _check(points_m, pixels)
 
-    def linearise(camera: Camera) -> tuple[FloatArray, FloatArray]:
+    def linearise(camera: Camera) -> Linear:
         projection = project_with_derivatives(camera, points_m)
-        return (projection.pixels - pixels).ravel(), _rows(projection)[:, 9:]
+        return Linear.of((projection.pixels - pixels).ravel(), _rows(projection)[:, 9:])
 
     def move(camera: Camera, step: FloatArray) -> Camera:
         return moved_camera(camera, np.concatenate([np.zeros(9), step]))
 
-    camera, residuals, _ = refine(start, linearise, move)
-    return camera, residuals.reshape(-1, 2)
+    camera, solution = refine(start, linearise, move)
+    return camera, solution.residuals.reshape(-1, 2)
 
 
 def calibrate_pose(
@@ -89,22 +89,21 @@ def _joint_fit(
     def camera_of(state: tuple[FloatArray, Pose]) -> Camera:
         return Camera(start.name, moved_intrinsics(start.intrinsics, root @ state[0]), state[1])
 
-    def linearise(state: tuple[FloatArray, Pose]) -> tuple[FloatArray, FloatArray]:
+    def linearise(state: tuple[FloatArray, Pose]) -> Linear:
         projection = project_with_derivatives(camera_of(state), points_m)
         rows = _rows(projection) / noise_px
         seen = np.concatenate([rows[:, :9] @ root, rows[:, 9:]], axis=1)
         residuals = np.concatenate([(projection.pixels - pixels).ravel() / noise_px, state[0]])
-        return residuals, np.concatenate([seen, np.eye(9, 15)])
+        return Linear.of(residuals, np.concatenate([seen, np.eye(9, 15)]))
 
     def move(state: tuple[FloatArray, Pose], step: FloatArray) -> tuple[FloatArray, Pose]:
         return state[0] + step[:9], moved_pose(state[1], step[9:])
 
     for _ in range(4):  # residuals and noise settle each other
-        state, residuals, jacobian = refine(state, linearise, move)
-        spread = inverse_normal(jacobian)
-        in_pixels = noise_px * residuals[:-9]
-        seen = jacobian[:-9]
-        fitted = float(np.einsum("np,pq,nq->", seen, spread, seen))  # parameters that the points themselves decided
+        state, solution = refine(state, linearise, move)
+        spread = inverse_normal(solution.normal)
+        in_pixels = noise_px * solution.residuals[:-9]
+        fitted = 15.0 - float(np.trace(spread[:9, :9]))  # parameters that the points, not the prior, decided
         squares = _NOISE_WEIGHT * _NOISE_PX**2 + float(in_pixels @ in_pixels)
         noise_px = float(np.sqrt(squares / (_NOISE_WEIGHT + len(in_pixels) - fitted)))
     to_parameters = np.eye(15)

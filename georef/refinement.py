@@ -1,6 +1,7 @@
 """Non-linear least squares over cameras: Levenberg-Marquardt with a caller's own way to move."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
@@ -11,60 +12,81 @@ from contracts import CalibrationError, Camera, FloatArray, Intrinsics, Pose
 
 State = TypeVar("State")
 
+
+@dataclass(frozen=True, eq=False)
+class Linear:
+    """A least-squares problem made linear at one state.
+
+    residuals: (n,); NaN marks a state outside the model's domain.
+    normal, gradient: J^T J (p, p) and J^T residuals (p,) of the residuals' jacobian J (n, p), which need not be formed.
+    """
+
+    residuals: FloatArray
+    normal: FloatArray
+    gradient: FloatArray
+
+    @classmethod
+    def of(cls, residuals: FloatArray, jacobian: FloatArray) -> "Linear":
+        """From a jacobian (n, p)."""
+        return cls(residuals, jacobian.T @ jacobian, jacobian.T @ residuals)
+
+    @property
+    def cost(self) -> float:
+        """Sum of squared residuals."""
+        return float(self.residuals @ self.residuals)
+
+
 _MAX_STEPS = 60
 _MAX_DAMPING = 1e12
 
 
 def refine(
     start: State,
-    linearise: Callable[[State], tuple[FloatArray, FloatArray]],
+    linearise: Callable[[State], Linear],
     move: Callable[[State, FloatArray], State],
-) -> tuple[State, FloatArray, FloatArray]:
+) -> tuple[State, Linear]:
     """The state with the least sum of squared residuals near ``start``.
 
-    linearise: residuals (n,) and their jacobian (n, p); NaN residuals mark a state out of the model's domain.
     move: the state after a step (p,).
-    Returns the state, its residuals and jacobian.
     Raises CalibrationError if it does not converge. Source: Marquardt 1963; Nocedal & Wright 2006, section 10.3.
     """
-    state, damping = start, 1e-4
-    residuals, jacobian = linearise(state)
-    if not np.isfinite(residuals).all():
+    state, here, damping = start, linearise(start), 1e-4
+    if not np.isfinite(here.residuals).all():
         raise CalibrationError("the refinement starts outside the camera model's domain")
     for _ in range(_MAX_STEPS):
-        normal, gradient = jacobian.T @ jacobian, jacobian.T @ residuals
-        scale = 1.0 / np.sqrt(np.maximum(np.diag(normal), 1e-300))
-        scaled = normal * np.outer(scale, scale)
+        scale, scaled = _unit_diagonal(here.normal)
         while True:
             factor = cho_factor(scaled + damping * np.eye(len(scale)))
-            step = -scale * cho_solve(factor, scale * gradient)
-            candidate = move(state, step)
-            new_residuals, new_jacobian = linearise(candidate)
-            gain = float(residuals @ residuals - new_residuals @ new_residuals)  # NaN counts as no gain
-            if gain >= 0 or damping > _MAX_DAMPING:
+            candidate = move(state, -scale * cho_solve(factor, scale * here.gradient))
+            there = linearise(candidate)
+            gain = here.cost - there.cost
+            if gain >= 0 or damping > _MAX_DAMPING:  # NaN is no gain
                 break
             damping *= 10.0
         if not gain >= 0:
-            return state, residuals, jacobian  # no step of any size improves it: at the minimum to rounding
-        state, residuals, jacobian = candidate, new_residuals, new_jacobian
-        damping = max(damping * 0.1, 1e-15)
-        if gain <= 1e-12 * float(residuals @ residuals) + 1e-18:
-            return state, residuals, jacobian
+            return state, here  # no step of any size improves it: at the minimum to rounding
+        state, here, damping = candidate, there, max(damping * 0.1, 1e-15)
+        if gain <= 1e-12 * here.cost + 1e-18:
+            return state, here
     raise CalibrationError(f"the refinement did not converge in {_MAX_STEPS} steps")
 
 
-def inverse_normal(jacobian: FloatArray) -> FloatArray:
+def inverse_normal(normal: FloatArray) -> FloatArray:
     """(J^T J)^-1, (p, p): the covariance of a least-squares solution whose residuals have unit variance.
 
     Raises CalibrationError where the observations leave a direction of the parameters open.
     """
-    normal = jacobian.T @ jacobian
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(normal), 1e-300))
-    scaled = normal * np.outer(scale, scale)
+    scale, scaled = _unit_diagonal(normal)
     if np.linalg.cond(scaled) > 1e13:
         raise CalibrationError("the observations do not determine all parameters of the camera")
     inverse = np.linalg.inv(scaled) * np.outer(scale, scale)
     return 0.5 * (inverse + inverse.T)
+
+
+def _unit_diagonal(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Scales (p,) that give ``normal`` a diagonal of ones, since units differ; and the scaled matrix."""
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    return scale, normal * np.outer(scale, scale)
 
 
 def moved_intrinsics(intrinsics: Intrinsics, step: FloatArray) -> Intrinsics:

@@ -3,7 +3,8 @@
 import numpy as np
 from hypothesis import strategies as st
 
-from contracts import Camera, FloatArray, Intrinsics, Pose
+from contracts import Camera, FloatArray, IntArray, Intrinsics, Pose
+from georef.projection import project
 
 
 def rotation(rx: float, ry: float, rz: float) -> FloatArray:
@@ -73,3 +74,43 @@ def perturbed(camera: Camera, step: FloatArray) -> Camera:
     intrinsics = Intrinsics(k.width_px, k.height_px, *(float(n) for n in numbers), k.distortion + step[4:9])
     pose = Pose(rotation(*step[9:12]) @ camera.pose.world_from_camera, camera.pose.position_m + step[12:15])
     return Camera(camera.name, intrinsics, pose)
+
+
+def board_poses(
+    camera: Camera, points: FloatArray, count: int, rng: np.random.Generator, tilt: float = 0.6
+) -> FloatArray:
+    """Exact images (count, N, 2) of board points held at random before the camera, wholly in its image."""
+    k, centre, views = camera.intrinsics, points.mean(axis=0), []
+    while len(views) < count:
+        camera_from_board = rotation(*rng.uniform(-0.6, 0.6, 2), 0.0) @ rotation(0.0, 0.0, rng.uniform(-3.0, 3.0))
+        depth = rng.uniform(0.4, 0.8)
+        place = depth * np.array([rng.uniform(-0.3, 0.3), rng.uniform(-0.16, 0.16), 1.0])
+        pose = Pose(camera_from_board.T, centre - camera_from_board.T @ place)
+        image, valid = project(Camera("board", k, pose), points)
+        if valid.all() and (image > 10).all() and (image < [k.width_px - 10, k.height_px - 10]).all():
+            views.append(image)
+    return np.array(views)
+
+
+def tile_corners() -> FloatArray:
+    """Control points on a 0.4 m grid, far more than one camera sees, (187, 3)."""
+    grid = np.stack(np.meshgrid(np.arange(-8, 9), np.arange(-5, 6)), axis=-1).reshape(-1, 2)
+    return np.column_stack([0.4 * grid, np.zeros(len(grid))])
+
+
+def in_ball(radius: float, rng: np.random.Generator) -> FloatArray:
+    direction = rng.normal(size=3)
+    return radius * rng.uniform() * direction / np.linalg.norm(direction)
+
+
+def departed(camera: Camera, rng: np.random.Generator, position_m: float = 0.10, angle_deg: float = 3.0) -> Camera:
+    """``camera`` hung by hand."""
+    turn, shift = in_ball(np.deg2rad(angle_deg), rng), in_ball(position_m, rng)
+    return perturbed(camera, np.concatenate([np.zeros(9), turn, shift]))
+
+
+def seen_marks(camera: Camera, points_m: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Row numbers (K,) and exact pixels (K, 2) of the control points in the image."""
+    image, valid = project(camera, points_m)
+    inside = valid & (image > 6).all(axis=1) & (image < [1273, 713]).all(axis=1)
+    return np.flatnonzero(inside), image[inside]

@@ -1,0 +1,148 @@
+"""Several cameras, one ground: each object once, its places weighted by how well each camera knows them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from contracts import FloatArray, GroundTracks, InputError
+
+FUSED = "fused"
+_EXACT_M = 1e-7
+_Key = tuple[str, int]  # camera, track id
+
+
+@dataclass(frozen=True, eq=False)
+class _View:
+    """One camera's row."""
+
+    key: _Key
+    label: str
+    position_m: FloatArray
+    cov_m2: FloatArray
+
+
+class CovarianceFuser:
+    """Merges the cameras' views of a moment; implements ``contracts.Fuser``.
+
+    Two rows are one object if they come from different cameras, bear the same label and lie within ``gate_m`` of each
+    other or agree within their covariances (Mahalanobis distance below the ``gate_probability`` quantile of
+    chi-square). Of conflicting pairs the nearest come first, so that two objects with one label stay two.
+
+    The fused place is the mean weighted by information (inverse covariance), the fused covariance the inverse of the
+    summed information: the cameras were calibrated apart, so their errors are independent.
+
+    Identity: a fused object keeps the smallest fused id that any of its camera tracks had before; a track never seen
+    before brings a new id. Through the overlap of two cameras an id is so handed from one to the other. Within a moment
+    ids are unique.
+    """
+
+    def __init__(self, gate_m: float = 0.06, gate_probability: float = 0.999) -> None:
+        if not (gate_m >= 0 and 0 < gate_probability < 1):
+            raise InputError(f"CovarianceFuser: gate_m = {gate_m} must be >= 0, {gate_probability = } within (0, 1)")
+        self._gate_m = gate_m
+        self._gate_squared = float(chi2.ppf(gate_probability, df=2))
+        self._ids: dict[_Key, int] = {}
+
+    def reset(self) -> None:
+        """Forget all identities."""
+        self._ids.clear()
+
+    def fuse(self, views: Sequence[GroundTracks]) -> GroundTracks:
+        """All objects with a valid place, in the order of their ids.
+
+        views: of one moment, at most one per camera, in any order. Rows that are not valid have no place and are left
+        out.
+        Raises InputError for views of different moments or two of the same camera.
+        """
+        time_ns = _common_time_ns(views)
+        groups = self._grouped([row for view in views for row in _rows(view)])
+        ids = self._identify(groups)
+        order = np.argsort(ids)
+        merged = [_merge(groups[k]) for k in order]
+        return GroundTracks(
+            source=FUSED,
+            time_ns=time_ns,
+            ids=np.array(ids, dtype=np.int64)[order],
+            labels=tuple(groups[k][0].label for k in order),
+            positions_m=np.array([position for position, _ in merged]),
+            covs_m2=np.array([cov for _, cov in merged]),
+            valid=np.ones(len(groups), dtype=np.bool_),
+        )
+
+    def _grouped(self, rows: list[_View]) -> list[list[_View]]:
+        """Rows by object: pairs joined from the nearest on, never two rows of one camera in a group."""
+        rows = sorted(rows, key=lambda row: row.key)
+        group_of = {row.key: [row] for row in rows}
+        for one, other in self._pairs(rows):
+            left, right = group_of[one.key], group_of[other.key]
+            if not {row.key[0] for row in left} & {row.key[0] for row in right}:
+                left.extend(right)
+                group_of.update({row.key: left for row in right})
+        unique = {id(group): sorted(group, key=lambda row: row.key) for group in group_of.values()}
+        return sorted(unique.values(), key=lambda group: group[0].key)
+
+    def _pairs(self, rows: list[_View]) -> list[tuple[_View, _View]]:
+        """Pairs that may be one object, the nearest first."""
+        found = []
+        for number, one in enumerate(rows):
+            for other in rows[number + 1 :]:
+                if one.key[0] == other.key[0] or one.label != other.label:
+                    continue
+                apart = one.position_m - other.position_m
+                distance = float(np.hypot(*apart))
+                agree = float(apart @ _information(one.cov_m2 + other.cov_m2) @ apart) <= self._gate_squared
+                if distance <= self._gate_m or agree:
+                    found.append((distance, one, other))
+        return [(one, other) for _, one, other in sorted(found, key=lambda pair: (pair[0], pair[1].key, pair[2].key))]
+
+    def _identify(self, groups: list[list[_View]]) -> list[int]:
+        """One id per group, by the rule in the class's description."""
+        known = [min((self._ids[row.key] for row in group if row.key in self._ids), default=None) for group in groups]
+        taken: set[int] = set()
+        ids = []
+        fresh = max(self._ids.values(), default=-1) + 1
+        for before in known:
+            if before is None or before in taken:
+                identity, fresh = fresh, fresh + 1
+            else:
+                identity = before
+            taken.add(identity)
+            ids.append(identity)
+        self._ids.update({row.key: identity for group, identity in zip(groups, ids, strict=True) for row in group})
+        return ids
+
+
+def _common_time_ns(views: Sequence[GroundTracks]) -> int:
+    if not views:
+        raise InputError("no views were given to fuse; an empty view of one camera is enough")
+    sources = [view.source for view in views]
+    if len(set(sources)) < len(sources):
+        raise InputError(f"a camera occurs twice among the views to fuse: {sorted(sources)}")
+    times = {view.time_ns for view in views}
+    if len(times) > 1:
+        raise InputError(f"the views to fuse are of different moments: time_ns = {sorted(times)}")
+    return times.pop()
+
+
+def _rows(view: GroundTracks) -> list[_View]:
+    return [
+        _View((view.source, int(view.ids[row])), view.labels[row], view.positions_m[row], view.covs_m2[row])
+        for row in np.flatnonzero(view.valid)
+    ]
+
+
+def _information(cov_m2: FloatArray) -> FloatArray:
+    """Inverse covariance; a place known exactly, as an oracle's is, counts as known to a tenth of a micrometre."""
+    return np.linalg.inv(cov_m2 + _EXACT_M**2 * np.eye(2)).astype(np.float64)
+
+
+def _merge(group: list[_View]) -> tuple[FloatArray, FloatArray]:
+    """Information-weighted mean and its covariance (Bar-Shalom et al. 2001, section 3.4, for independent errors)."""
+    if len(group) == 1:
+        return group[0].position_m, group[0].cov_m2
+    information = [_information(row.cov_m2) for row in group]
+    cov = np.linalg.inv(np.sum(information, axis=0))
+    weighted = np.sum([info @ row.position_m for info, row in zip(information, group, strict=True)], axis=0)
+    return cov @ weighted, 0.5 * (cov + cov.T)

@@ -6,8 +6,9 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from contracts import InputError
+from scenarios.check import faults
 from scenarios.schema import Scenario
-from scenarios.toml_file import read_toml
+from scenarios.toml_file import dotted, line_of_key, read_toml
 
 LIBRARY = Path(__file__).parent / "library"
 
@@ -28,6 +29,9 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
         raise InputError(
             f"{path}: key name: {scenario.name!r} differs from the file's name {path.stem!r}; leave it out"
         )
+    for keys, what in faults(scenario):
+        line = line_of_key(path.read_text(encoding="utf-8"), keys)
+        raise InputError(f"{path}, line {line}: key {dotted(keys)}: {what}")
     return replace(scenario, name=path.stem)
 
 

@@ -59,6 +59,11 @@ class Range:
         if self.min is not None and self.max is not None and self.min > self.max:
             raise InputError(f"min = {self.min} exceeds max = {self.max}")
 
+    @property
+    def extremes(self) -> tuple[float | str, ...]:
+        """Both ends, or all values."""
+        return self.any if self.min is None or self.max is None else (self.min, self.max)
+
 
 @dataclass(frozen=True)
 class Scenario:

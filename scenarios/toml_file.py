@@ -53,7 +53,7 @@ def read_toml(path: Path, type_: type[T]) -> T:
         return _convert(document, type_)
     except _KeyFaultError as fault:
         line = line_of_key(text, fault.keys)
-        key = f"key {_dotted(fault.keys)}: " if fault.keys else ""
+        key = f"key {dotted(fault.keys)}: " if fault.keys else ""
         raise InputError(f"{path}, line {line}: {key}{fault}") from fault
 
 
@@ -181,7 +181,8 @@ def _accepted_values(type_: Any) -> str:
     return ", ".join(str(value) for value in values)
 
 
-def _dotted(keys: KeyPath) -> str:
+def dotted(keys: KeyPath) -> str:
+    """The path as one writes it: ``vehicle[0].start``."""
     return "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in keys).lstrip(".")
 
 

@@ -1,0 +1,57 @@
+"""Whether a scenario fits its plant, rig and light and speaks of vehicles that it has; each fault with its key."""
+
+from collections.abc import Iterator
+from functools import cache
+
+from contracts import InputError
+from rail.plant import Plant
+from scenarios.plant_file import load_plant
+from scenarios.schema import Scenario
+from scenarios.variations import varied
+from sim.motion_check import KeyPath, MotionFaultError, check_motion
+
+Fault = tuple[KeyPath, str]
+
+
+def faults(scenario: Scenario) -> Iterator[Fault]:
+    """All that is wrong with ``scenario``: key and what, in the order of the file's keys."""
+    yield from _plant_faults(scenario)
+    yield from _expectation_faults(scenario)
+    for index, event in enumerate(scenario.event):
+        if event.at_s > scenario.duration_s:
+            yield ("event", index, "at_s"), f"{event.at_s} s comes after the end at {scenario.duration_s} s"
+    for key, values in scenario.vary.items():
+        for value in values.extremes:
+            try:
+                varied(scenario, {key: value})
+            except InputError as error:
+                yield ("vary", key), str(error)
+
+
+@cache
+def plant_of(name: str) -> Plant:
+    """The plant of that name or file; read once."""
+    return load_plant(name)
+
+
+def _plant_faults(scenario: Scenario) -> Iterator[Fault]:
+    try:
+        plant = plant_of(scenario.plant)
+    except InputError as error:
+        yield ("plant",), str(error)
+        return
+    try:
+        check_motion(plant, scenario.motion)
+    except MotionFaultError as error:
+        yield error.keys, str(error)
+
+
+def _expectation_faults(scenario: Scenario) -> Iterator[Fault]:
+    ids = [vehicle.id for vehicle in scenario.vehicle]
+    for key, groups in (("contact", scenario.expect.contact), ("derail", [(id_,) for id_ in scenario.expect.derail])):
+        for index, group in enumerate(groups):
+            for id_ in group:
+                if id_ not in ids:
+                    yield ("expect", key, index), f"vehicle {id_!r} is unknown; there are {', '.join(ids) or 'none'}"
+            if len(set(group)) < len(group):
+                yield ("expect", key, index), f"vehicle {group[0]!r} cannot touch itself"

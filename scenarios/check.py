@@ -6,6 +6,7 @@ from functools import cache
 from contracts import InputError
 from rail.plant import Plant
 from scenarios.plant_file import load_plant
+from scenarios.rig_file import load_rig
 from scenarios.schema import Scenario
 from scenarios.variations import varied
 from sim.motion_check import KeyPath, MotionFaultError, check_motion
@@ -16,6 +17,10 @@ Fault = tuple[KeyPath, str]
 def faults(scenario: Scenario) -> Iterator[Fault]:
     """All that is wrong with ``scenario``: key and what, in the order of the file's keys."""
     yield from _plant_faults(scenario)
+    try:
+        load_rig(scenario.rig)
+    except InputError as error:
+        yield ("rig",), str(error)
     yield from _expectation_faults(scenario)
     for index, event in enumerate(scenario.event):
         if event.at_s > scenario.duration_s:

@@ -9,6 +9,9 @@ from contracts import InputError
 from scenarios.check import faults
 from scenarios.schema import Scenario
 from scenarios.toml_file import dotted, line_of_key, read_toml
+from scenarios.worlds import build_world
+
+__all__ = ["LIBRARY", "build_world", "list_scenarios", "load_scenario"]
 
 LIBRARY = Path(__file__).parent / "library"
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from contracts import InputError
+from sim.lights import LightPreset
 from sim.motion_spec import MotionSpec, SwitchSetting, TimedEvent, VehicleSpec
 
 MAX_FPS = 1000.0
@@ -70,7 +71,7 @@ class Scenario:
     """One scenario, as its file says it.
 
     name: the file's name without ``.toml``; filled in by the loader.
-    plant, rig: names of files in ``scenarios/plants`` and ``scenarios/rigs``. light: one of the presets of ``sim``.
+    plant, rig: names of files in ``scenarios/plants`` and ``scenarios/rigs``.
     switch: how switches lie at the beginning, by id; straight where not said.
     vary: ranges by key, for example ``"vehicle.blue.speed_mps" = { min = 0.2, max = 0.4 }``.
     """
@@ -78,7 +79,7 @@ class Scenario:
     title: str
     plant: str
     rig: str
-    light: str
+    light: LightPreset
     seed: int
     duration_s: float
     fps: float

@@ -1,0 +1,37 @@
+"""From a scenario to the world that it describes."""
+
+from contracts.truth import World
+from scenarios.check import plant_of
+from scenarios.rig_file import load_rig
+from scenarios.schema import Scenario
+from sim.rail_motion import RailMotion
+from sim.rail_world import RailWorld
+
+
+def build_world(
+    scenario: Scenario,
+    *,
+    seed: int | None = None,
+    noise_seed: int | None = None,
+    film: bool = True,
+    workers: int = 1,
+) -> World:
+    """The world of ``scenario``, ready to run.
+
+    seed: instead of the scenario's own. noise_seed: of the sensors alone; nothing else changes with it.
+    film: False gives the truth without frames, and needs no graphics.
+    workers: processes that share the cameras; the frames are the same for any number.
+    """
+    seed = scenario.seed if seed is None else seed
+    plant = plant_of(scenario.plant)
+    return RailWorld(
+        plant,
+        RailMotion(plant, scenario.motion, seed),
+        scenario.frame_times_ns,
+        rig=load_rig(scenario.rig),
+        light=scenario.light,
+        seed=seed,
+        noise_seed=noise_seed,
+        film=film,
+        workers=workers,
+    )

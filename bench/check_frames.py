@@ -29,10 +29,10 @@ def street(count: int = 10) -> list[Scene]:
         starts = np.array([[20.0, 30.0], [150.0, 70.0], [180.0, 120.0]])  # (3, 2)
         speeds = np.array([[6.0, 0.0], [-5.0, 1.0], [9.0, 0.0]])
         corners = np.round(starts + speeds * index)
-        boxes = np.concatenate([corners, corners + BLOCK_PX - 1], axis=1)  # (3, 4), pixel centres
+        boxes = np.concatenate([corners, corners + BLOCK_PX], axis=1) - 0.5  # (3, 4), the blocks' edges
         inside = boxes[:, 0] < 239
-        for colour, (left, top, right, bottom) in zip(COLOURS_BGR.values(), boxes.astype(int), strict=True):
-            image[top : bottom + 1, left : right + 1] = colour
+        for colour, (left, top, right, bottom) in zip(COLOURS_BGR.values(), (boxes + 0.5).astype(int), strict=True):
+            image[top:bottom, left:right] = colour
         labels = tuple(np.array(list(COLOURS_BGR))[inside].tolist())
         scenes.append(_scene(f"frame {index} of a plain sequence", image, index, labels, boxes[inside]))
     return scenes

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import IO, Any
 
 import mcap.exceptions
+import mcap.reader
 import mcap.records
 import mcap.stream_reader
 import mcap.writer
@@ -96,6 +97,20 @@ class MessageReader:
                 self.damage = "is cut short"
             except _BROKEN:
                 self.damage = "is damaged"
+
+    def topics(self) -> tuple[str, ...]:
+        """The topics in the order in which they first occur; read from the file's index.
+
+        Raises InputError if the file has none, so if it is cut short or none of Gantry's.
+        """
+        with self._path.open("rb") as stream:
+            try:
+                summary = mcap.reader.SeekingReader(stream).get_summary()
+            except (*_BROKEN, OSError) as error:
+                raise InputError(f"{self._path} has no readable index: it is cut short or no MCAP file") from error
+        if summary is None:
+            raise InputError(f"{self._path} has no index: it is cut short")
+        return tuple(channel.topic for _, channel in sorted(summary.channels.items()))
 
     def _first(self, records: Iterator[object]) -> object:
         try:

@@ -18,6 +18,7 @@ class Manifest:
     survey: nominal cameras and marks; None for real footage.
     true_cameras: for the score only; empty for real footage.
     calibrated_cameras: the cameras that the location used.
+    geo: PROJ string of the world's metres where it lies somewhere on the globe; None for a plant in a room.
     """
 
     scenario: str
@@ -31,6 +32,13 @@ class Manifest:
     survey: Survey | None
     true_cameras: tuple[Camera, ...]
     calibrated_cameras: tuple[CalibratedCamera, ...]
+    geo: str | None = None
+
+    @property
+    def cameras(self) -> dict[str, Camera]:
+        """The cameras by name: the true ones where they are known, else as calibrated."""
+        known = self.true_cameras or tuple(calibrated.camera for calibrated in self.calibrated_cameras)
+        return {camera.name: camera for camera in known}
 
 
 @dataclass(frozen=True)

@@ -140,21 +140,29 @@ def load_frames(directory: Path | str, camera: str) -> Iterator[Frame]:
     Raises InputError if the file cannot be read or holds no images of that camera.
     """
     path = recording_path(directory)
+    kept = recorded_cameras(directory)
+    if camera not in kept:
+        raise InputError(
+            f"{path} holds no images of camera {camera!r}, only those of: {', '.join(kept) or 'none'}"
+            " (`gantry run --frames` keeps images)"
+        )
     messages = MessageReader(path)
-    prefix = f"{_TOPICS[CompressedImage]}/"
-    kept: set[str] = set()
     for message in messages:
-        if message.topic.startswith(prefix):
-            kept.add(message.topic.removeprefix(prefix))
-        if message.topic == prefix + camera:
+        if message.topic == f"{_TOPICS[CompressedImage]}/{camera}":
             yield _frame(path, camera, message)
     if messages.damage:
         raise InputError(f"{path} {messages.damage}; its images end early")
-    if camera not in kept:
-        raise InputError(
-            f"{path} holds no images of camera {camera!r}, only those of: {', '.join(sorted(kept)) or 'none'}"
-            " (`gantry run --frames` keeps images)"
-        )
+
+
+def recorded_cameras(directory: Path | str) -> tuple[str, ...]:
+    """The cameras whose images were recorded, in order; none unless the run was told to keep frames.
+
+    Raises InputError if the file cannot be read.
+    """
+    path = recording_path(directory)
+    topics = MessageReader(path).topics()
+    prefix = f"{_TOPICS[CompressedImage]}/"
+    return tuple(topic.removeprefix(prefix) for topic in topics if topic.startswith(prefix))
 
 
 def recording_path(directory: Path | str) -> Path:

@@ -1,0 +1,102 @@
+import cv2
+import numpy as np
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bench.camera_file import load_camera
+from contracts import InputError
+from georef.calibrated import PARAMETERS
+from tests.bench.filmless import overhead_camera
+
+GOOD = {
+    "name": "west",
+    "width_px": 320,
+    "height_px": 180,
+    "fx_px": 500,
+    "fy_px": 501.5,
+    "cx_px": 159.5,
+    "cy_px": 89.5,
+    "distortion": [0.1, 0, 0, 0, 0],
+    "position_m": [1, 2, 2.8],
+    "world_from_camera": [[1, 0, 0], [0, -1, 0], [0, 0, -1]],
+}
+
+
+def written(tmp_path, **changes):
+    content = {key: value for key, value in (GOOD | changes).items() if value is not None}
+    path = tmp_path / "camera.yaml"
+    path.write_text(yaml.safe_dump(content))
+    return path
+
+
+def test_a_camera_is_read(tmp_path):
+    calibrated = load_camera(written(tmp_path))
+    camera = calibrated.camera
+    assert (camera.name, camera.intrinsics.width_px, camera.intrinsics.height_px) == ("west", 320, 180)
+    assert camera.intrinsics.matrix.tolist() == [[500, 0, 159.5], [0, 501.5, 89.5], [0, 0, 1]]
+    assert camera.intrinsics.distortion.tolist() == [0.1, 0, 0, 0, 0]
+    assert camera.pose.position_m.tolist() == [1, 2, 2.8]
+    assert camera.pose.world_from_camera.tolist() == overhead_camera().pose.world_from_camera.tolist()
+    assert not calibrated.covariance.any()
+
+
+@given(rvec=st.tuples(*[st.floats(-3, 3)] * 3), tvec=st.tuples(*[st.floats(-9, 9)] * 3))
+def test_opencv_s_pose_means_the_same_camera(tmp_path_factory, rvec, tvec):
+    opencv = {"position_m": None, "world_from_camera": None, "rvec": list(rvec), "tvec": list(tvec)}
+    pose = load_camera(written(tmp_path_factory.mktemp("camera"), **opencv)).camera.pose
+    point_in_world = np.array([0.3, -0.2, 0.1])
+    expected = cv2.Rodrigues(np.array(rvec))[0] @ point_in_world + tvec
+    assert np.abs(pose.world_from_camera.T @ (point_in_world - pose.position_m) - expected).max() < 1e-9
+
+
+def test_standard_deviations_become_a_covariance(tmp_path):
+    sigmas = {"fx_px": 2.0, "k1": 0.01, "rz_rad": 0.001, "x_m": 0.003}
+    calibrated = load_camera(written(tmp_path, sigmas=sigmas))
+    diagonal = dict(zip(PARAMETERS, np.diag(calibrated.covariance).tolist(), strict=True))
+    expected = {"fx": 4.0, "k1": 1e-4, "rz": 1e-6, "x": 9e-6}
+    assert all(abs(diagonal[name] - expected.get(name, 0.0)) < 1e-15 for name in PARAMETERS)
+    assert np.count_nonzero(calibrated.covariance) == 4
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"name": None}, "missing required field `name`"),
+        ({"fx_px": "wide"}, r"Expected `float`, got `str` - at `\$\.fx_px`"),
+        ({"focal": 3}, "contains unknown field `focal`"),
+        ({"fx_px": float("nan")}, "must be finite"),
+        ({"distortion": [0, 0]}, r"length 5.*distortion"),
+        ({"position_m": None}, "give the pose either as position_m and world_from_camera, or as rvec and tvec"),
+        ({"rvec": [0, 0, 0]}, "give the pose either as"),
+        ({"position_m": [0, 0, float("nan")]}, "Pose.position_m holds NaN"),
+        ({"position_m": [0, 0, -1]}, "lies below the ground"),
+        ({"world_from_camera": [[1, 0, 0], [0, 1, 0], [0, 0, 2]]}, "is not a rotation matrix"),
+        ({"sigmas": {"fx": 1}}, "sigmas.fx: no such parameter, choose from fx_px, fy_px"),
+        ({"sigmas": {"x_m": -1}}, "sigmas.x_m = -1.0 must not be negative"),
+    ],
+)
+def test_what_is_wrong_is_named_with_its_file(tmp_path, changes, message):
+    with pytest.raises(InputError, match=f"camera.yaml: .*{message}"):
+        load_camera(written(tmp_path, **changes))
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"", "Expected `object`"),
+        (b"{", "is not YAML"),
+        (b"\xff\xfe\xfa", "is no UTF-8"),
+        (b"- 1", "Expected `object`"),
+    ],
+)
+def test_a_file_that_is_no_camera_is_named(tmp_path, data, message):
+    (tmp_path / "camera.yaml").write_bytes(data)
+    with pytest.raises(InputError, match=f"camera.yaml: .*{message}"):
+        load_camera(tmp_path / "camera.yaml")
+
+
+def test_a_missing_file_is_named(tmp_path):
+    with pytest.raises(InputError, match="absent.yaml: cannot be read: No such file"):
+        load_camera(tmp_path / "absent.yaml")

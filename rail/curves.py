@@ -137,9 +137,11 @@ class Curve:
         """Poses (..., 3) x, y, heading at ``offsets_m`` (...); InputError off the ends."""
         offsets = np.asarray(offsets_m, dtype=np.float64)
         poses = np.empty((*offsets.shape, 3))
-        indices = np.array([self._bend_index(offset) for offset in offsets.ravel().tolist()], dtype=int)
+        for extreme in (offsets.min(initial=0.0), offsets.max(initial=0.0)):
+            self._bend_index(float(extreme))  # refuses what lies off the ends
+        indices = np.searchsorted(self._offsets_m[1:-1], offsets, side="right")
         for index in np.unique(indices):
-            here = (indices == index).reshape(offsets.shape)
+            here = indices == index
             poses[here] = self.bends[index].poses_from(self._joints[index], offsets[here] - self._offsets_m[index])
         return poses
 

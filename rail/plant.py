@@ -121,7 +121,7 @@ class Balise:
         return f"{self.code:04x}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Plant:
     """A whole model railway; consistent by construction when made by ``rail.build.build_plant``.
 
@@ -137,6 +137,9 @@ class Plant:
     balises: tuple[Balise, ...]
     joints: Mapping[Port, Port]
     bounds_m: tuple[float, float, float, float]
+
+    def __repr__(self) -> str:
+        return f"Plant({self.name!r})"
 
     @property
     def length_m(self) -> float:

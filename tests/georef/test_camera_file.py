@@ -5,10 +5,9 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bench.camera_file import load_camera
-from contracts import InputError
-from georef.calibrated import PARAMETERS
-from tests.bench.filmless import overhead_camera
+from contracts import Camera, InputError, Intrinsics, Pose
+from georef.calibrated import PARAMETERS, CalibratedCamera
+from georef.camera_file import read_camera, write_camera
 
 GOOD = {
     "name": "west",
@@ -32,14 +31,20 @@ def written(tmp_path, **changes):
 
 
 def test_a_camera_is_read(tmp_path):
-    calibrated = load_camera(written(tmp_path))
+    calibrated = read_camera(written(tmp_path))
     camera = calibrated.camera
     assert (camera.name, camera.intrinsics.width_px, camera.intrinsics.height_px) == ("west", 320, 180)
     assert camera.intrinsics.matrix.tolist() == [[500, 0, 159.5], [0, 501.5, 89.5], [0, 0, 1]]
     assert camera.intrinsics.distortion.tolist() == [0.1, 0, 0, 0, 0]
     assert camera.pose.position_m.tolist() == [1, 2, 2.8]
-    assert camera.pose.world_from_camera.tolist() == overhead_camera().pose.world_from_camera.tolist()
+    assert camera.pose.world_from_camera.tolist() == [[1, 0, 0], [0, -1, 0], [0, 0, -1]]
     assert not calibrated.covariance.any()
+
+
+def test_numbers_may_have_an_exponent_without_a_point(tmp_path):
+    path = written(tmp_path)
+    path.write_text(path.read_text().replace("fx_px: 500", "fx_px: 5e2"))
+    assert read_camera(path).camera.intrinsics.fx_px == 500.0
 
 
 @settings(max_examples=30, deadline=None)
@@ -47,7 +52,7 @@ def test_a_camera_is_read(tmp_path):
 def test_opencv_s_pose_means_the_same_camera(tmp_path_factory, rvec, position_m):
     tvec = -cv2.Rodrigues(np.array(rvec))[0] @ position_m
     opencv = {"position_m": None, "world_from_camera": None, "rvec": list(rvec), "tvec": tvec.tolist()}
-    pose = load_camera(written(tmp_path_factory.mktemp("camera"), **opencv)).camera.pose
+    pose = read_camera(written(tmp_path_factory.mktemp("camera"), **opencv)).camera.pose
     point_in_world = np.array([0.3, -0.2, 0.1])
     expected = cv2.Rodrigues(np.array(rvec))[0] @ point_in_world + tvec
     assert np.abs(pose.world_from_camera.T @ (point_in_world - pose.position_m) - expected).max() < 1e-9
@@ -55,7 +60,7 @@ def test_opencv_s_pose_means_the_same_camera(tmp_path_factory, rvec, position_m)
 
 def test_standard_deviations_become_a_covariance(tmp_path):
     sigmas = {"fx_px": 2.0, "k1": 0.01, "rz_rad": 0.001, "x_m": 0.003}
-    calibrated = load_camera(written(tmp_path, sigmas=sigmas))
+    calibrated = read_camera(written(tmp_path, sigmas=sigmas))
     diagonal = dict(zip(PARAMETERS, np.diag(calibrated.covariance).tolist(), strict=True))
     expected = {"fx": 4.0, "k1": 1e-4, "rz": 1e-6, "x": 9e-6}
     assert all(abs(diagonal[name] - expected.get(name, 0.0)) < 1e-15 for name in PARAMETERS)
@@ -76,12 +81,14 @@ def test_standard_deviations_become_a_covariance(tmp_path):
         ({"position_m": [0, 0, -1]}, "lies below the ground"),
         ({"world_from_camera": [[1, 0, 0], [0, 1, 0], [0, 0, 2]]}, "is not a rotation matrix"),
         ({"sigmas": {"fx": 1}}, "sigmas.fx: no such parameter, choose from fx_px, fy_px"),
+        ({"covariance": [[1.0]]}, r"covariance has shape \(1, 1\), expected 15 x 15"),
+        ({"covariance": [[1.0]], "sigmas": {"k1": 1}}, "give either sigmas or covariance, not both"),
         ({"sigmas": {"x_m": -1}}, "sigmas.x_m = -1.0 must not be negative"),
     ],
 )
 def test_what_is_wrong_is_named_with_its_file(tmp_path, changes, message):
     with pytest.raises(InputError, match=f"camera.yaml: .*{message}"):
-        load_camera(written(tmp_path, **changes))
+        read_camera(written(tmp_path, **changes))
 
 
 @pytest.mark.parametrize(
@@ -96,9 +103,32 @@ def test_what_is_wrong_is_named_with_its_file(tmp_path, changes, message):
 def test_a_file_that_is_no_camera_is_named(tmp_path, data, message):
     (tmp_path / "camera.yaml").write_bytes(data)
     with pytest.raises(InputError, match=f"camera.yaml: .*{message}"):
-        load_camera(tmp_path / "camera.yaml")
+        read_camera(tmp_path / "camera.yaml")
 
 
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(InputError, match=r"absent\.yaml: cannot be read: No such file"):
-        load_camera(tmp_path / "absent.yaml")
+        read_camera(tmp_path / "absent.yaml")
+
+
+@settings(max_examples=20, deadline=None)
+@given(numbers=st.lists(st.floats(1e-300, 1e300), min_size=9, max_size=9), rvec=st.tuples(*[st.floats(-3, 3)] * 3))
+def test_a_camera_is_read_back_to_the_bit(tmp_path_factory, numbers, rvec):
+    pose = Pose(cv2.Rodrigues(np.array(rvec))[0], np.array(numbers[:3]))
+    intrinsics = Intrinsics(640, 480, *numbers[3:7], np.array([0.1, -1e-17, 0, 1e300, -0.0]))
+    camera = CalibratedCamera(Camera("süd: 1", intrinsics, pose), np.full((15, 15), numbers[8]))
+    path = tmp_path_factory.mktemp("camera") / "camera.yaml"
+    write_camera(path, camera)
+    again = read_camera(path)
+    assert again.camera.name == "süd: 1"
+    assert again.camera.intrinsics.matrix.tolist() == intrinsics.matrix.tolist()
+    assert again.camera.intrinsics.distortion.tobytes() == intrinsics.distortion.tobytes()
+    assert again.camera.pose.world_from_camera.tobytes() == pose.world_from_camera.tobytes()
+    assert again.camera.pose.position_m.tobytes() == pose.position_m.tobytes()
+    assert again.covariance.tobytes() == camera.covariance.tobytes()
+
+
+def test_a_place_that_cannot_be_written_to_is_named(tmp_path):
+    camera = read_camera(written(tmp_path))
+    with pytest.raises(InputError, match="cannot be written"):
+        write_camera(tmp_path / "nowhere" / "camera.yaml", camera)

@@ -25,6 +25,7 @@ class StepMotion:
     ) -> None:
         self._plant, self._vehicles, self._states, self.step_s = plant, vehicles, states, step_s
         self.glides = list(glides)
+        self._swept_m = [self._reach_of(index) for index in range(len(vehicles))]
 
     @cached_property
     def pairs(self) -> list[Pair]:
@@ -42,7 +43,7 @@ class StepMotion:
 
     def closing_m(self, pair: Pair) -> float:
         """How much nearer the two can come during the step, at most."""
-        return sum(self._vehicles[k].reach * abs(self.glides[k].travelled_m(self.step_s)) for k in pair)
+        return self._swept_m[pair[0]] + self._swept_m[pair[1]]
 
     def touch_s(self, pair: Pair) -> float | None:
         """When the two first touch."""
@@ -55,6 +56,11 @@ class StepMotion:
     def stop(self, index: int, time_s: float) -> None:
         """A dead stop of one vehicle."""
         self.glides[index] = self.glides[index].stopped_at(time_s)
+        self._swept_m[index] = self._reach_of(index)
+
+    def _reach_of(self, index: int) -> float:
+        """How far any point of a vehicle moves during the step, at most."""
+        return self._vehicles[index].reach * abs(self.glides[index].travelled_m(self.step_s))
 
 
 class ImpactWatch:

@@ -6,17 +6,17 @@ import numpy as np
 
 from contracts import Event, EventKind, SwitchState
 from contracts.truth import Truth
-from rail.graph import advance
+from rail.graph import advance, metres_to_end
 from rail.plant import Balise, Plant
 from sim.glide import Glide
 from sim.impacts import ImpactWatch, Pair, StepMotion
-from sim.lookout import Obstacle, obstacle_ahead
+from sim.lookout import Obstacle, Occupant, obstacle_ahead
 from sim.motion_check import initial_states
 from sim.motion_spec import MotionSpec, TimedEvent
 from sim.streams import stream
 from sim.switch_drives import SwitchDrives
 from sim.switch_link import request_of
-from sim.vehicle import Vehicle
+from sim.vehicle import Span, Vehicle
 
 STEP_NS = 5_000_000
 STEP_S = STEP_NS * 1e-9
@@ -38,13 +38,16 @@ class RailRun:
         self._watch = ImpactWatch()
         self._events: list[Event] = []
         self.begin_ns = 0
-        self._glides = self._planned()
+        self._spans: list[Span] = []
+        self._glides: list[Glide] = []
+        self._after_step: list[Vehicle] = []
+        self._plan()
 
     def step(self) -> None:
         """Go on to the beginning of the next step."""
-        self._vehicles = self._vehicles_at(STEP_S)
+        self._vehicles = self._after_step
         self.begin_ns += STEP_NS
-        self._glides = self._planned()
+        self._plan()
 
     def truth(self, index: int, time_ns: int) -> Truth:
         """The state at ``time_ns`` within this step, with the events up to then that were not handed out yet."""
@@ -67,23 +70,24 @@ class RailRun:
             events=happened,
         )
 
-    def _planned(self) -> list[Glide]:
-        """How everything moves in the step that begins now; what will happen in it goes to the events."""
+    def _plan(self) -> None:
+        """Decide how everything moves in the step that begins now, and note what will happen in it."""
+        self._spans = [vehicle.span(self._plant, self._states) for vehicle in self._vehicles]
         while self._commands and round(self._commands[-1].at_s * 1e9) <= self.begin_ns:
             self._obey(self._commands.pop())
         for index in range(len(self._vehicles)):
             self._ask_for_switch(index)
         events = self._moved_switches()
-        wanted = [vehicle.glide(self.begin_ns * 1e-9, self._obstacle(vehicle), STEP_S) for vehicle in self._vehicles]
+        obstacles = self._obstacles()
+        wanted = [v.glide(self.begin_ns * 1e-9, o, STEP_S) for v, o in zip(self._vehicles, obstacles, strict=True)]
         motion = StepMotion(self._plant, self._vehicles, wanted, self._states, STEP_S)
         derailments = self._derailments(motion)
         contacts = self._watch.stop_at_contacts(motion)
         events += self._after_contacts(contacts)
         events += self._after_derailments(derailments, motion)
-        for index, glide in enumerate(motion.glides):
-            events += self._balises_passed(index, glide)
+        self._glides = motion.glides
+        events += self._run_through()
         self._events += sorted(events, key=lambda event: event.time_ns)
-        return motion.glides
 
     def _vehicles_at(self, time_s: float) -> list[Vehicle]:
         moved = zip(self._vehicles, self._glides, strict=True)
@@ -98,7 +102,7 @@ class RailRun:
     def _ask_for_switch(self, index: int) -> None:
         """Send a request once for each approach, if the link carries it."""
         vehicle = self._vehicles[index]
-        request = request_of(self._plant, vehicle, self._states)
+        request = request_of(self._plant, vehicle, vehicle.leading_end(self._spans[index]))
         if request and request.setting and request.switch != vehicle.asked and self._link_carries(index):
             self._drives.ask(request.switch, request.setting)
         self._vehicles[index] = vehicle.having_asked(request.switch if request else None)
@@ -108,25 +112,30 @@ class RailRun:
         return spec.link == "live" and self._links[index].random() >= spec.link_failure
 
     def _moved_switches(self) -> list[Event]:
-        occupied = set[str]()
-        if self._drives.waiting:
-            occupied.update(*(vehicle.switches_beneath(self._plant, self._states) for vehicle in self._vehicles))
+        occupied = frozenset[str]().union(*(span.switches for span in self._spans))
         events = self._drives.update(self.begin_ns, occupied)
         if events:
             self._states = self._drives.states
         return events
 
-    def _obstacle(self, vehicle: Vehicle) -> Obstacle:
-        if not vehicle.looks_ahead:
-            return Obstacle()
-        others = [other.occupant(self._plant, self._states) for other in self._vehicles if other is not vehicle]
-        return obstacle_ahead(self._plant, vehicle.leading_end(self._plant, self._states), self._states, others)
+    def _obstacles(self) -> list[Obstacle]:
+        """What each vehicle that looks ahead sees on its path."""
+        pairs = list(zip(self._vehicles, self._spans, strict=True))
+        occupants = [Occupant((v.midway, span.nose, span.tail), v.speed_mps) for v, span in pairs]
+        return [
+            obstacle_ahead(self._plant, v.leading_end(span), self._states, occupants[:k] + occupants[k + 1 :])
+            if v.looks_ahead
+            else Obstacle()
+            for k, (v, span) in enumerate(pairs)
+        ]
 
     def _derailments(self, motion: StepMotion) -> dict[int, float]:
         """Stop each leading end that runs into a buffer stop or a switch that lies against it or moves; and when."""
         times_s: dict[int, float] = {}
         for index, (vehicle, glide) in enumerate(zip(self._vehicles, motion.glides, strict=True)):
             way_m = glide.travelled_m(STEP_S)
+            if abs(way_m) < metres_to_end(self._plant, vehicle.leading_end(self._spans[index])):
+                continue  # it does not even leave its section
             ahead = advance(self._plant, vehicle.midway, way_m + copysign(vehicle.nose_m, way_m), self._states)
             if way_m != 0.0 and ahead.blocked is not None:
                 free_m = max(0.0, abs(ahead.travelled_m) - vehicle.nose_m)
@@ -146,12 +155,18 @@ class RailRun:
             self._vehicles[index] = self._vehicles[index].wrecked()
         return [self._event(time_s, EventKind.DERAIL, (index,)) for index, time_s in true.items()]
 
-    def _balises_passed(self, index: int, glide: Glide) -> list[Event]:
-        way = advance(self._plant, self._vehicles[index].midway, glide.travelled_m(STEP_S), self._states)
+    def _run_through(self) -> list[Event]:
+        """Bring the vehicles to the end of the step; the balises they pass on the way."""
+        ways = [v.way(self._plant, g, STEP_S, self._states) for v, g in zip(self._vehicles, self._glides, strict=True)]
+        self._after_step = [
+            vehicle.arrived(way.location, glide.speed_at(STEP_S))
+            for vehicle, way, glide in zip(self._vehicles, ways, self._glides, strict=True)
+        ]
         return [
             self._event(
-                glide.time_at(copysign(p.distance_m, way.travelled_m)), EventKind.BALISE, (index,), p.subject.name
+                self._glides[k].time_at(copysign(p.distance_m, way.travelled_m)), EventKind.BALISE, (k,), p.subject.name
             )
+            for k, way in enumerate(ways)
             for p in way.passages
             if isinstance(p.subject, Balise)
         ]

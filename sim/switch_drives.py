@@ -20,11 +20,6 @@ class SwitchDrives:
         """How each switch lies now; later calls give another mapping, this one stays as it is."""
         return MappingProxyType(dict(self._states))
 
-    @property
-    def waiting(self) -> bool:
-        """Whether something was asked for that has not begun."""
-        return bool(self._wanted)
-
     def ask(self, switch: str, setting: SwitchState) -> None:
         """Ask for a setting; the latest wins."""
         self._wanted[switch] = setting

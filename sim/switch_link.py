@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from contracts import SwitchState
-from rail.graph import SwitchStates, next_switch_ahead
+from rail.graph import Location, next_switch_ahead
 from rail.plant import Plant
 from sim.vehicle import Vehicle
 
@@ -18,14 +18,15 @@ class Request:
     setting: SwitchState | None
 
 
-def request_of(plant: Plant, vehicle: Vehicle, states: SwitchStates) -> Request | None:
+def request_of(plant: Plant, vehicle: Vehicle, leading_end: Location) -> Request | None:
     """The request to the switch that is within reach; None if none is, or the vehicle operates none.
 
+    leading_end: the end of the body that goes first, looking the way it goes.
     Before points it wants what its route says; from a branch it wants that branch.
     """
     if not vehicle.spec.operates_switches or vehicle.derailed or not (vehicle.speed_mps or vehicle.commanded_mps):
         return None
-    ahead = next_switch_ahead(plant, vehicle.leading_end(plant, states), LINK_M)
+    ahead = next_switch_ahead(plant, leading_end, LINK_M)
     if ahead is None:
         return None
     if not ahead.facing:

@@ -5,18 +5,30 @@ from math import copysign, cos, isfinite, pi
 
 from contracts import InputError
 from contracts.truth import Place
-from rail.graph import Location, SwitchStates, advance, check_location, pose_at
+from rail.graph import Advance, Location, SwitchStates, advance, check_location, pose_at
 from rail.plant import Plant, Switch
 from sim.boxes import Box
 from sim.drivers import Driver, Outlook, blind, driver_of
 from sim.glide import Glide
-from sim.lookout import Obstacle, Occupant
+from sim.lookout import Obstacle
 from sim.motion_spec import Heading, Start, TimedEvent, VehicleSpec
 from sim.running_gear import MAX_AXLE_GAIN, BodyPose, body_pose, reach
 
 _COMPASS_RAD = {Heading.EAST: 0.0, Heading.NORTH: pi / 2, Heading.WEST: pi, Heading.SOUTH: -pi / 2}
 _ACROSS = 0.05  # cosine below which a track runs across a compass direction
 _AT_REST_MPS = 1e-12  # rounding left over from braking
+
+
+@dataclass(frozen=True)
+class Span:
+    """The track beneath a body.
+
+    nose, tail: its ends, looking the way the vehicle faces. switches: those whose toes lie between them.
+    """
+
+    nose: Location
+    tail: Location
+    switches: frozenset[str]
 
 
 @dataclass(frozen=True)
@@ -80,20 +92,15 @@ class Vehicle:
         centre = self.pose(plant, states).centre
         return Box(centre.x_m, centre.y_m, centre.heading_rad, self.spec.size_m[0], self.spec.size_m[1])
 
-    def occupant(self, plant: Plant, states: SwitchStates) -> Occupant:
-        """The vehicle as others see it on the track."""
-        ends = (advance(plant, self.midway, way_m, states).location for way_m in (self.nose_m, -self.nose_m))
-        return Occupant((self.midway, *ends), self.speed_mps)
+    def span(self, plant: Plant, states: SwitchStates) -> Span:
+        """The track beneath the body."""
+        ahead, behind = (advance(plant, self.midway, way_m, states) for way_m in (self.nose_m, -self.nose_m))
+        toes = (passage.subject for passage in (*ahead.passages, *behind.passages))
+        return Span(ahead.location, behind.location, frozenset(toe.id for toe in toes if isinstance(toe, Switch)))
 
-    def leading_end(self, plant: Plant, states: SwitchStates) -> Location:
+    def leading_end(self, span: Span) -> Location:
         """The end of the body that goes first, looking the way it goes."""
-        end = advance(plant, self.midway, self.sense * self.nose_m, states).location
-        return end if self.sense > 0 else end.reversed()
-
-    def switches_beneath(self, plant: Plant, states: SwitchStates) -> set[str]:
-        """The switches whose toes lie under the body."""
-        ways = (advance(plant, self.midway, way_m, states) for way_m in (self.nose_m, -self.nose_m))
-        return {p.subject.id for way in ways for p in way.passages if isinstance(p.subject, Switch)}
+        return span.nose if self.sense > 0 else span.tail.reversed()
 
     def glide(self, time_s: float, obstacle: Obstacle, step_s: float) -> Glide:
         """How it moves during the next step: what its driver wants, within its limits."""
@@ -136,11 +143,17 @@ class Vehicle:
         cruise_mps = -self.cruise_mps if command.speed_mps is None else command.speed_mps
         return replace(self, commanded_mps=cruise_mps, cruise_mps=cruise_mps)
 
+    def way(self, plant: Plant, glide: Glide, time_s: float, states: SwitchStates) -> Advance:
+        """What it runs through up to ``time_s`` into ``glide``."""
+        return advance(plant, self.midway, glide.travelled_m(time_s), states)
+
+    def arrived(self, midway: Location, speed_mps: float) -> "Vehicle":
+        """The vehicle at another place."""
+        return replace(self, midway=midway, speed_mps=0.0 if abs(speed_mps) < _AT_REST_MPS else speed_mps)
+
     def after(self, plant: Plant, glide: Glide, time_s: float, states: SwitchStates) -> "Vehicle":
         """The vehicle ``time_s`` into ``glide``."""
-        midway = advance(plant, self.midway, glide.travelled_m(time_s), states).location
-        speed_mps = glide.speed_at(time_s)
-        return replace(self, midway=midway, speed_mps=0.0 if abs(speed_mps) < _AT_REST_MPS else speed_mps)
+        return self.arrived(self.way(plant, glide, time_s, states).location, glide.speed_at(time_s))
 
 
 def start_location(plant: Plant, start: Start) -> Location:

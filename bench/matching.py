@@ -73,8 +73,8 @@ def match(objects_m: FloatArray, estimates_m: FloatArray, *, fractions: FloatArr
     return Matching(
         hits=pairs[hit],
         ignored=pairs[~hit],
-        misses=np.setdiff1d(np.flatnonzero(target), pairs[:, 0]),
-        false_alarms=np.setdiff1d(np.arange(len(estimates_m)), pairs[:, 1]),
+        misses=np.flatnonzero(target & _without(len(target), pairs[:, 0])),
+        false_alarms=np.flatnonzero(_without(len(estimates_m), pairs[:, 1])),
     )
 
 
@@ -92,3 +92,10 @@ def nearest_pairs(a_m: FloatArray, b_m: FloatArray, *, gate_m: float) -> IntArra
     rows, columns = linear_sum_assignment(np.minimum(distances_m, gate_m))
     near = distances_m[rows, columns] <= gate_m
     return np.column_stack([rows[near], columns[near]]).astype(np.int64)
+
+
+def _without(count: int, rows: IntArray) -> BoolArray:
+    """A mask (count,) that is False in ``rows``."""
+    mask = np.ones(count, dtype=np.bool_)
+    mask[rows] = False
+    return mask

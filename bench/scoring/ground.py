@@ -12,10 +12,11 @@ ELLIPSE_90 = 4.605170185988091  # 90 % quantile of chi-square with two degrees o
 def error_scores(prefix: str, errors_m: FloatArray) -> list[Score]:
     """Summaries of position errors; none is valid without a hit.
 
-    errors_m: (K, 2) estimate minus truth, x east and y north.
+    errors_m: (K, 2) estimate minus truth, x east and y north; rows of NaN (not known) are left out.
     Per axis: root mean square, mean (the signed bias), mean square (how paper R prints its error).
     Of the distance: mean, median, 95 % quantile, largest.
     """
+    errors_m = known_rows(errors_m)
     n = len(errors_m)
     distances_m = np.linalg.norm(errors_m, axis=1)  # (K,)
     figures = [
@@ -54,6 +55,11 @@ def normalised_squares(hits: Hits) -> FloatArray:
     solved = np.linalg.solve(covs[proper], errors[proper][:, :, None])[:, :, 0]  # (P, 2)
     squares[proper] = (errors[proper] * solved).sum(axis=1)
     return squares
+
+
+def known_rows(errors: FloatArray) -> FloatArray:
+    """The rows of (K, 2) that are finite."""
+    return errors[np.isfinite(errors).all(axis=1)]
 
 
 def rms(values: FloatArray) -> float:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -67,7 +68,7 @@ class Population:
     source: str
     frames: tuple[MatchedFrame, ...]
 
-    @property
+    @cached_property
     def hits(self) -> Hits:
         """The matched targets of all frames."""
         return gather(self.frames)

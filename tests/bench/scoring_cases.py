@@ -141,6 +141,12 @@ def edit_ground(recording: Recording, edit: Callable[[GroundTracks], GroundTrack
     return Recording(recording.manifest, tuple(steps))
 
 
+def edit_tracks(recording: Recording, edit: Callable[[Tracks], Tracks]) -> Recording:
+    """``edit`` done to the tracks of every camera."""
+    steps = (replace(step, tracks=tuple(edit(tracks) for tracks in step.tracks)) for step in recording.steps)
+    return Recording(recording.manifest, tuple(steps))
+
+
 def edit_truth(recording: Recording, edit: Callable[[Truth], Truth]) -> Recording:
     steps = (replace(step, truth=edit(step.truth)) for step in recording.steps if step.truth is not None)
     return Recording(recording.manifest, tuple(steps))

@@ -15,6 +15,7 @@ from perception.edge_profile import fit_edges
 
 REACH_PX = 6.0  # calipers look so far to either side of the expected edge
 CALIPERS = 24  # across each side
+LEAST_SIDE_PX = 8.0  # a smaller patch has no sides to measure
 SIDE_SHARE = 0.8  # of each side's length that is measured; corners are rounded by blur
 EVEN = 0.12  # a pixel of the roof departs from the plane of brightness by less than this share
 ROUNDS = 3  # of sampling and line fitting
@@ -91,36 +92,31 @@ def seed_quad(image: ImageArray, mask: ImageArray, outward: FloatArray) -> Float
 
 
 def _largest_rectangle(mask: ImageArray) -> FloatArray | None:
-    """Corners (4, 2) of the rectangle with the moments of the largest connected part; first side long."""
+    """Corners (4, 2) of the smallest rectangle round the largest connected part; first side long."""
     opened = cv2.morphologyEx(mask, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
-    count, parts, stats, centres = cv2.connectedComponentsWithStats(np.asarray(opened, np.uint8))
-    if count < 2:
+    contours, _ = cv2.findContours(opened, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    if not contours:
         return None
-    largest = 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA]))
-    rows, columns = np.nonzero(parts == largest)
-    covariance = np.cov(np.stack([columns, rows]))  # (2, 2)
-    variances, axes = np.linalg.eigh(covariance)
-    short, long = np.sqrt(12 * variances) / 2  # a rectangle's variance is its length squared over 12
-    along, across = axes[:, 1] * long, axes[:, 0] * short
-    if along[0] * across[1] - along[1] * across[0] < 0:
-        across = -across
-    return np.array([centres[largest] + x for x in (-along - across, along - across, along + across, across - along)])
+    corners = cv2.boxPoints(cv2.minAreaRect(max(contours, key=cv2.contourArea))).astype(np.float64)
+    sides = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
+    if min(sides[:2]) < LEAST_SIDE_PX:
+        return None
+    return corners if sides[0] >= sides[1] else np.roll(corners, -1, axis=0)
 
 
 def measure_roof(image: ImageArray, quad_px: FloatArray) -> Roof:
     """Measure the four sides near a rough quadrangle (4, 2), first side long, corners in order."""
     pixels = image.astype(np.float32)
     lines = _lines_of(quad_px)
+    kept = np.ones((4, CALIPERS), np.bool_)
     for _ in range(ROUNDS):
         profiles, inside = _profiles(pixels, lines)
-        offsets, slopes, kept = _robust_line(lines.along_px, _crossings(profiles, inside))
+        offsets, slopes, kept = _robust_line(lines.along_px, _crossings(profiles, inside, kept & inside))
         lines = lines.moved(np.clip(offsets, -2.0, 2.0), np.clip(slopes, -0.1, 0.1))
     profiles, inside = _profiles(pixels, lines)
     kept &= inside
     usable = kept.sum(axis=1) >= CALIPERS // 3  # (4,)
-    weights = np.where(usable[:, None], kept, True)[..., None, None]
-    mean = (profiles * weights).sum(axis=1) / weights.sum(axis=1)  # (4, T, 3)
-    fits = fit_edges(mean, _T_PX)
+    fits = fit_edges(_mean(profiles, kept), _T_PX)
     walled = np.zeros(4, np.int64)
     for pair in ([0, 2], [1, 3]):  # a camera sees at most one of two opposite walls
         gains = fits.costs[0, pair] - fits.costs[1, pair]
@@ -188,9 +184,9 @@ def _profiles(pixels: NDArray[np.float32], lines: _Lines) -> tuple[FloatArray, B
     return sampled.reshape(4, CALIPERS, len(_T_PX), 3).astype(np.float64), np.asarray(inside)
 
 
-def _crossings(profiles: FloatArray, inside: BoolArray) -> FloatArray:
+def _crossings(profiles: FloatArray, inside: BoolArray, counted: BoolArray) -> FloatArray:
     """(4, C) offset outwards at which each caliper leaves the roof, to half a pixel or so; NaN outside the image."""
-    typical = _typical(profiles, inside)  # (4, T, 3)
+    typical = _mean(profiles, counted)  # (4, T, 3)
     roof = typical[:, _T_PX <= -3].mean(axis=1)[:, None, None]  # (4, 1, 1, 3)
     beyond = typical[:, (_T_PX >= 2) & (_T_PX <= 4)].mean(axis=1)[:, None, None]
     axis = roof - beyond
@@ -201,11 +197,11 @@ def _crossings(profiles: FloatArray, inside: BoolArray) -> FloatArray:
     return np.where(inside, falling.sum(axis=-1) - CROSSING_REACH_PX - 0.5, np.nan)
 
 
-def _typical(profiles: FloatArray, inside: BoolArray) -> FloatArray:
-    """(4, T, 3) median over the calipers inside the image; over all where there are none."""
-    return np.array(
-        [np.median(side[kept] if kept.any() else side, axis=0) for side, kept in zip(profiles, inside, strict=True)]
-    )
+def _mean(profiles: FloatArray, counted: BoolArray) -> FloatArray:
+    """(4, T, 3) mean over the calipers that count; over all of a side where none does."""
+    weights = (counted | ~counted.any(axis=1, keepdims=True)).astype(np.float64)
+    weights /= weights.sum(axis=1, keepdims=True)
+    return np.asarray(np.einsum("sc,sctb->stb", weights, profiles))
 
 
 def _robust_line(along_px: FloatArray, offsets_px: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:

@@ -84,7 +84,7 @@ def value_text(score: Score) -> str:
         return "—"
     if score.unit == "count":
         return f"{score.value:.0f}"
-    return f"{score.value:#.4g}".rstrip(".")
+    return f"{score.value:.4g}"
 
 
 def unit_text(score: Score) -> str:

@@ -1,0 +1,1 @@
+"""What people read of a run: a summary in the terminal and one self-contained HTML page."""

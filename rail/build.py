@@ -5,7 +5,7 @@ from math import degrees, hypot
 
 import numpy as np
 
-from contracts import InputError
+from contracts import FloatArray, InputError
 from rail.crossings import crossings_of
 from rail.curves import Bend, Curve, Pose2, biarc, joined, wrapped
 from rail.plant import Balise, BufferStop, End, Plant, Port, Section, Side, Switch, known
@@ -34,9 +34,10 @@ def build_plant(spec: PlantSpec, name: str) -> Plant:
     joints = _joints(spec, sections, switches)
     buffers = {id_: _buffer(id_, buffer.port, sections) for id_, buffer in spec.buffer.items()}
     _check_ports(sections, switches, joints, buffers)
-    _check_spots(switches, sections)
-    points = np.concatenate([section.curve.points(0.01) for section in sections.values()])
-    low, high = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+    points_m = {id_: section.curve.points(0.01) for id_, section in sections.items()}
+    _check_spots(switches, points_m)
+    all_m = np.concatenate(list(points_m.values()))
+    low, high = all_m.min(axis=0).tolist(), all_m.max(axis=0).tolist()
     return Plant(
         name=name,
         sections=sections,
@@ -155,12 +156,11 @@ def _inside(section: Section, end: End, distance_m: float) -> Pose2:
     return section.curve.pose_at(distance_m if end is End.START else section.length_m - distance_m)
 
 
-def _check_spots(switches: Mapping[str, Switch], sections: Mapping[str, Section]) -> None:
-    """No vehicle may run over a notch."""
-    points = {id_: section.curve.points(0.01) for id_, section in sections.items()}
+def _check_spots(switches: Mapping[str, Switch], points_m: Mapping[str, FloatArray]) -> None:
+    """No vehicle may run over a notch; ``points_m`` are (N, 2) of each section."""
     for switch in switches.values():
-        for id_, points_m in points.items():
-            distance_m = float(np.linalg.norm(points_m - switch.spot_m, axis=1).min())
+        for id_, track_m in points_m.items():
+            distance_m = float(np.linalg.norm(track_m - switch.spot_m, axis=1).min())
             if distance_m < SPOT_CLEARANCE_M:
                 raise InputError(
                     f"switch {switch.id!r}: its spot stands {1e3 * distance_m:.0f} mm from section {id_!r}, in the way "

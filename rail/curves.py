@@ -4,7 +4,7 @@ from bisect import bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import accumulate
-from math import atan2, ceil, cos, hypot, isfinite, pi, sin, sqrt, tau
+from math import atan2, ceil, cos, degrees, hypot, isfinite, pi, sin, sqrt, tau
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,6 +29,9 @@ class Pose2:
     x_m: float
     y_m: float
     heading_rad: float
+
+    def __str__(self) -> str:
+        return f"({self.x_m:.3f}, {self.y_m:.3f}) m heading {degrees(self.heading_rad):.1f} deg"
 
     def reversed(self) -> "Pose2":
         """The same point, looking back; heading in (-pi, pi]."""
@@ -58,7 +61,7 @@ class Bend:
     def __post_init__(self) -> None:
         if not (isfinite(self.length_m) and self.length_m > 0):
             raise InputError(f"a bend of {self.length_m} m has no length; give a positive one")
-        if not abs(self.turn_rad) <= tau:
+        if not abs(self.turn_rad) <= tau + 1e-9:  # a full circle may round up
             raise InputError(f"a bend that turns by {self.turn_rad:.3f} rad goes round more than once; split it")
 
     @property
@@ -72,20 +75,23 @@ class Bend:
         return self.start_curvature_per_m + (self.end_curvature_per_m - self.start_curvature_per_m) * share
 
     def pose_from(self, start: Pose2, along_m: float) -> Pose2:
-        """Pose after ``along_m`` metres from ``start``; in closed form, fast, where the curvature is constant."""
+        """Pose after ``along_m`` metres from ``start``: ``poses_from`` for one point, without NumPy where it can."""
         if self.start_curvature_per_m != self.end_curvature_per_m:
             return Pose2(*self.poses_from(start, along_m).tolist())
         half_turn = self.start_curvature_per_m * along_m / 2.0
-        chord_m = along_m * sin(half_turn) / half_turn if half_turn else along_m
+        chord_m = along_m * (sin(half_turn) / half_turn if half_turn else 1.0)
         x_m, y_m = Pose2(start.x_m, start.y_m, start.heading_rad + half_turn).offset(chord_m, 0.0)
         return Pose2(x_m, y_m, start.heading_rad + 2.0 * half_turn)
 
     def poses_from(self, start: Pose2, along_m: ArrayLike) -> FloatArray:
         """Poses (..., 3) x, y, heading after ``along_m`` metres (...) from ``start``: integral of the unit tangent."""
         along = np.asarray(along_m, dtype=np.float64)
-        nodes = along[..., None] * _NODES  # (..., K)
-        tangents = np.exp(1j * self._headings(start, nodes))
-        shift = along * (tangents @ _NODE_WEIGHTS)
+        if self.start_curvature_per_m == self.end_curvature_per_m:  # the chord of an arc
+            half_turn = self.start_curvature_per_m * along / 2.0
+            shift = along * np.sinc(half_turn / pi) * np.exp(1j * (start.heading_rad + half_turn))
+        else:
+            nodes = along[..., None] * _NODES  # (..., K)
+            shift = along * (np.exp(1j * self._headings(start, nodes)) @ _NODE_WEIGHTS)
         return np.stack([start.x_m + shift.real, start.y_m + shift.imag, self._headings(start, along)], axis=-1)
 
     def _headings(self, start: Pose2, along: FloatArray) -> FloatArray:
@@ -206,7 +212,7 @@ def biarc(start: Pose2, end: Pose2) -> tuple[Bend, ...]:
     along, square = float(v @ (t1 + t2)), float(v @ v)
     denominator = along + sqrt(max(0.0, along * along + 2.0 * (1.0 - float(t1 @ t2)) * square))
     if square == 0.0 or denominator <= 1e-9 * sqrt(square):
-        raise InputError(f"no pair of arcs leads from {start} to {end}")
+        raise InputError(f"no pair of arcs leads from {start} to {end}; the end must lie ahead")
     tangent_m = square / denominator
     first = v / 2.0 + tangent_m * (t1 - t2) / 2.0  # from the start to the meeting point
     return _arc(first, t1, from_start=True), _arc(v - first, t2, from_start=False)

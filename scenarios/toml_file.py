@@ -47,7 +47,11 @@ def read_toml(path: Path, type_: type[T]) -> T:
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: is no UTF-8 text, so no TOML: {error.reason} at byte {error.start}") from error
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: is not TOML: {error}") from error
+        what, _, place = str(error).rpartition(" (at ")
+        stated = re.search(r"line (\d+)", place)  # tomllib says "end of document" for the last one
+        raise InputError(
+            f"{path}, line {stated[1] if stated else len(text.splitlines())}: is not TOML: {what}"
+        ) from error
     try:
         _check_keys(document, type_, ())
         return _convert(document, type_)

@@ -23,7 +23,7 @@ def test_vehicles_on_neighbouring_tracks_have_room_beside_each_other(name):
     """Where two sections run side by side (parallel within 3 degrees), their centre lines are 11 cm apart."""
     plant = load_plant(name)
     switches_m = np.array([(s.toe.x_m, s.toe.y_m) for s in plant.switches.values()])
-    poses = {id_: s.curve.poses_at(np.linspace(0.0, s.length_m, 200)) for id_, s in plant.sections.items()}
+    poses = {id_: s.curve.poses_at(np.linspace(0.0, s.length_m, 100)) for id_, s in plant.sections.items()}
     for a, b in ((a, b) for a in poses for b in poses if a < b):
         apart_m = np.linalg.norm(poses[a][:, None, :2] - poses[b][None, :, :2], axis=2)
         parallel = np.abs(np.sin(poses[a][:, None, 2] - poses[b][None, :, 2])) < np.sin(np.radians(3.0))

@@ -10,12 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from bench.check_frames import Scene, strange_scenes, street
+from bench.check_frames import Scene, given_scenes, strange_scenes, street
 from bench.ledger import value_hash
 from bench.plugins import load_factory, require_methods
-from contracts import Detections, Detector, InputError, Perceiver, Tracker, Tracks
+from contracts import Detections, Detector, Frame, InputError, Perceiver, Tracker, Tracks
 
 Act = Callable[[Any, Scene], object]
+Answer = Detections | Tracks
+AnswerOf = Callable[[object, Scene], Answer]
 
 
 @dataclass(frozen=True)
@@ -29,33 +31,43 @@ class Finding:
         return f"{self.law}: {self.sentence}"
 
 
-def check_detector(factory: Callable[[], Detector]) -> list[Finding]:
-    """Broken laws of the detector that ``factory`` makes; empty if all hold."""
-    return _check(factory, Detector, Detections, lambda detector, scene: detector.detect(scene.frame))
+def check_detector(factory: Callable[[], Detector], frames: Sequence[Frame] = ()) -> list[Finding]:
+    """Broken laws of the detector that ``factory`` makes; empty if all hold.
+
+    frames: more images of one camera, in order, such as those that it is made for.
+    """
+    return _check(factory, Detector, lambda detector, scene: detector.detect(scene.frame), frames)
 
 
-def check_tracker(factory: Callable[[], Tracker]) -> list[Finding]:
-    """Broken laws of the tracker that ``factory`` makes, given faultless detections; empty if all hold."""
-    return _check(factory, Tracker, Tracks, lambda tracker, scene: tracker.update(scene.frame, scene.detections))
+def check_tracker(factory: Callable[[], Tracker], frames: Sequence[Frame] = ()) -> list[Finding]:
+    """Broken laws of the tracker that ``factory`` makes, given faultless detections; empty if all hold.
+
+    frames: more images of one camera, in order, which come without detections.
+    """
+    return _check(factory, Tracker, lambda tracker, scene: tracker.update(scene.frame, scene.detections), frames)
 
 
-def check_perceiver(factory: Callable[[], Perceiver]) -> list[Finding]:
-    """Broken laws of the perceiver that ``factory`` makes; empty if all hold."""
-    return _check(factory, Perceiver, Tracks, lambda perceiver, scene: perceiver.perceive(scene.frame))
+def check_perceiver(factory: Callable[[], Perceiver], frames: Sequence[Frame] = ()) -> list[Finding]:
+    """Broken laws of the perceiver that ``factory`` makes; empty if all hold.
+
+    frames: more images of one camera, in order, such as those that it is made for.
+    """
+    return _check(factory, Perceiver, lambda perceiver, scene: perceiver.perceive(scene.frame), frames)
 
 
-def check_plugin(stage: str, path: str) -> list[Finding]:
+def check_plugin(stage: str, path: str, frames: Sequence[Frame] = ()) -> list[Finding]:
     """Broken laws of the plug-in at ``path`` as a ``"detector"``, ``"tracker"`` or ``"perceiver"``.
 
+    frames: more images to try it on, of one camera and in order.
     Raises InputError if there is no such stage or plug-in.
     """
     if stage not in KITS:
         raise InputError(f"there is no contract for {stage!r}, only for {', '.join(KITS)}")
     protocol, check = KITS[stage]
-    return check(load_factory(path, protocol))
+    return check(load_factory(path, protocol), frames)
 
 
-KITS: dict[str, tuple[type, Callable[[Callable[[], Any]], list[Finding]]]] = {
+KITS: dict[str, tuple[type, Callable[[Callable[[], Any], Sequence[Frame]], list[Finding]]]] = {
     "detector": (Detector, check_detector),
     "tracker": (Tracker, check_tracker),
     "perceiver": (Perceiver, check_perceiver),
@@ -71,18 +83,21 @@ class _BrokenLawError(Exception):
         self.finding = Finding(law, sentence)
 
 
-def _check(factory: Callable[[], object], protocol: type, answer: type, act: Act) -> list[Finding]:
-    def answer_hash(subject: object, scene: Scene) -> str:
-        return value_hash(_answer(subject, scene, act, answer))
+def _check(factory: Callable[[], object], protocol: type, act: Act, frames: Sequence[Frame]) -> list[Finding]:
+    kind = Detections if protocol is Detector else Tracks
+
+    def answer(subject: object, scene: Scene) -> Answer:
+        return _answer(subject, scene, act, kind)
 
     made = _findings(_made(factory, protocol))
     if made:
         return made
-    findings = _findings(_laws(factory, street(), act, answer))
-    if not findings:
-        findings += _findings(_repeats(factory, answer_hash))
+    findings: list[Finding] = []
+    for scenes in filter(None, (street(), given_scenes(frames))):
+        broken = _findings(_laws(factory, scenes, answer))
+        findings += broken or _findings(_repeats(factory, scenes, answer))
     for scenes in strange_scenes():
-        findings += _findings(_laws(factory, scenes, act, answer))
+        findings += _findings(_laws(factory, scenes, answer))
     return list(dict.fromkeys(findings))
 
 
@@ -108,16 +123,15 @@ def _made(factory: Callable[[], object], protocol: type) -> Iterator[Finding]:
         yield Finding("methods", f"{error}.")
 
 
-def _laws(factory: Callable[[], Any], scenes: Sequence[Scene], act: Act, answer: type) -> Iterator[Finding]:
+def _laws(factory: Callable[[], Any], scenes: Sequence[Scene], answer: AnswerOf) -> Iterator[Finding]:
     """What must hold of every single answer."""
     subject = factory()
     for scene in scenes:
         before = scene.frame.image.copy()
-        given = _answer(subject, scene, act, answer)
+        given = answer(subject, scene)
         if not np.array_equal(before, scene.frame.image):
             yield Finding("frame untouched", f"It changed the image of {scene.title}.")
         objects = given.objects if isinstance(given, Tracks) else given
-        assert isinstance(objects, Detections)
         yield from _copied(objects, scene)
         yield from _well_formed(objects, scene)
 
@@ -144,9 +158,12 @@ def _well_formed(objects: Detections, scene: Scene) -> Iterator[Finding]:
         yield Finding("well formed", f"It gave an anchor_covs_px2 in {scene.title} that is no covariance.")
 
 
-def _repeats(factory: Callable[[], Any], answer_hash: Callable[[object, Scene], str]) -> Iterator[Finding]:
+def _repeats(factory: Callable[[], Any], scenes: Sequence[Scene], answer: AnswerOf) -> Iterator[Finding]:
     """What must hold of the same frames seen again."""
-    scenes = street()
+
+    def answer_hash(subject: object, scene: Scene) -> str:
+        return value_hash(answer(subject, scene))
+
     subject = factory()
     first = [answer_hash(subject, scene) for scene in scenes]
     subject.reset()
@@ -161,15 +178,15 @@ def _repeats(factory: Callable[[], Any], answer_hash: Callable[[object, Scene], 
         yield Finding("alone", "Two instances that take turns give other answers than each alone: they share a state.")
 
 
-def _answer(subject: Any, scene: Scene, act: Act, answer: type) -> object:
+def _answer(subject: object, scene: Scene, act: Act, kind: type[Answer]) -> Answer:
     try:
         given = act(subject, scene)
     except Exception as error:
         if "read-only" in str(error):
             raise _BrokenLawError("frame untouched", f"It tries to write into {scene.title}: {error}.") from error
         raise _BrokenLawError("runs", f"It fails on {scene.title}: {_told(error)}.") from error
-    if not isinstance(given, answer):
-        told = f"It answered {type(given).__name__} to {scene.title}, not {answer.__name__}."
+    if not isinstance(given, kind):
+        told = f"It answered {type(given).__name__} to {scene.title}, not {kind.__name__}."
         raise _BrokenLawError("answer", told)
     return given
 

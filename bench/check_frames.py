@@ -1,5 +1,6 @@
 """Small made-up frames for the contract kit: moving blocks of colour, and images that are out of the ordinary."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,6 +50,14 @@ def strange_scenes() -> list[list[Scene]]:
         "an image smaller than any object": np.full((12, 16, 3), 120, np.uint8),
     }
     return [[_scene(title, image, 0, (), np.empty((0, 4)))] for title, image in images.items()]
+
+
+def given_scenes(frames: Sequence[Frame]) -> list[Scene]:
+    """``frames`` as scenes in which nothing is detected."""
+    return [
+        Scene(f"frame {frame.index}", frame, Detections.empty(frame.camera, frame.index, frame.time_ns))
+        for frame in frames
+    ]
 
 
 def _scene(title: str, image: ImageArray, index: int, labels: tuple[str, ...], boxes_px: FloatArray) -> Scene:

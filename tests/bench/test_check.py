@@ -8,7 +8,7 @@ import pytest
 
 from bench.check import KITS, check_detector, check_perceiver, check_plugin, check_tracker
 from bench.check_frames import COLOURS_BGR
-from contracts import Detections, InputError, Tracks
+from contracts import Detections, Frame, InputError, Tracks
 
 
 class Blocks:
@@ -208,3 +208,15 @@ def test_a_plug_in_is_checked_by_its_path():
 def test_a_stage_without_a_contract_is_refused():
     with pytest.raises(InputError, match="no contract for 'renderer', only for detector, tracker, perceiver"):
         check_plugin("renderer", "builtins:print")
+
+
+def test_given_frames_are_tried_too():
+    class Picky(Blocks):
+        def detect(self, frame):
+            return super().detect(frame) if frame.camera == "kit" else None
+
+    frames = [Frame("west", k, k, np.zeros((40, 60, 3), np.uint8)) for k in range(3)]
+    assert check_detector(Blocks, frames) == check_tracker(ByLabel, frames) == check_perceiver(Both, frames) == []
+    assert [str(finding) for finding in check_detector(Picky, frames)] == [
+        "answer: It answered NoneType to frame 0, not Detections."
+    ]

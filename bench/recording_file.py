@@ -128,9 +128,8 @@ def load_recording(directory: Path | str, *, salvage: bool = False) -> Recording
         else:
             parts.add(path, message)
     if messages.damage and not (salvage and manifest):
-        raise InputError(
-            f"{path} {messages.damage}; {len(steps)} whole steps of it could still be read (load_recording with salvage=True)"
-        )
+        saved = f"{len(steps)} whole steps of it can still be read with load_recording(..., salvage=True)"
+        raise InputError(f"{path} {messages.damage}; {saved}")
     if manifest is None:
         raise InputError(f"{path} is no recording of Gantry: nothing in it says what was run")
     return Recording(manifest, tuple(steps))

@@ -26,7 +26,7 @@ from tests.bench.equality import same
     ],
     ids=lambda value: getattr(value, "__name__", ""),
 )
-@settings(max_examples=30)
+@settings(max_examples=20)
 @given(data=st.data())
 def test_what_is_read_back_equals_what_was_written_to_the_bit(kind, values, data):
     value = data.draw(values)

@@ -29,14 +29,14 @@ def injured(step, stage):
     return replace(step, ledger=ledger, views=views)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(strategies.recordings())
 def test_equal_runs_have_no_difference(recording):
     assert first_difference(recording, recording) is None
 
 
 @pytest.mark.parametrize("stage", ["state", "image", "tracks", "ground"])
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=5, deadline=None)
 @given(strategies.recordings(min_steps=2, min_cameras=1))
 def test_the_first_frame_and_its_earliest_stage_are_named(stage, recording):
     assume(stage != "state" or recording.steps[1].truth)
@@ -47,7 +47,7 @@ def test_the_first_frame_and_its_earliest_stage_are_named(stage, recording):
     assert first_difference(recording, changed) == Difference(1, stage, camera, ())
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=5, deadline=None)
 @given(strategies.recordings(min_steps=1))
 def test_a_shorter_run_differs_where_it_ends(recording):
     shorter = replace(recording, steps=recording.steps[:-1])

@@ -50,7 +50,7 @@ def long_file(tmp_path_factory):
     return record(tmp_path_factory.mktemp("long"), noisy_run(130), keep_frames=True) / RECORDING_NAME
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(strategies.runs(), st.booleans())
 def test_a_run_is_read_back_as_it_was_written(run, keep_frames):
     with tempfile.TemporaryDirectory() as directory:
@@ -58,7 +58,7 @@ def test_a_run_is_read_back_as_it_was_written(run, keep_frames):
         assert same(load_recording(directory), run[0])
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(strategies.runs())
 def test_frames_are_read_back_to_the_pixel(run):
     _, images = run
@@ -146,9 +146,14 @@ def test_an_mcap_file_of_another_tool_is_named(tmp_path):
         load_recording(tmp_path)
 
 
-@settings(max_examples=15, deadline=None)
+@pytest.fixture(scope="module")
+def long_recording(long_file):
+    return load_recording(long_file)
+
+
+@settings(max_examples=10, deadline=None)
 @given(share=st.floats(0.001, 0.999))
-def test_a_cut_file_is_refused_but_its_whole_steps_can_be_saved(long_file, share):
+def test_a_cut_file_is_refused_but_its_whole_steps_can_be_saved(long_file, long_recording, share):
     data = long_file.read_bytes()
     with tempfile.TemporaryDirectory() as directory:
         (Path(directory) / RECORDING_NAME).write_bytes(data[: int(share * len(data))])
@@ -159,23 +164,21 @@ def test_a_cut_file_is_refused_but_its_whole_steps_can_be_saved(long_file, share
         except InputError:
             assert share < 0.8  # not one whole chunk of about a megabyte
         else:
-            whole = load_recording(long_file)
-            assert all(map(same, saved.steps, whole.steps))
+            assert all(map(same, saved.steps, long_recording.steps))
 
 
 @settings(max_examples=15, deadline=None)
 @given(share=st.floats(0, 1, exclude_max=True), bit=st.integers(0, 7))
-def test_a_flipped_bit_never_passes_for_other_data(long_file, share, bit):
+def test_a_flipped_bit_never_passes_for_other_data(long_file, long_recording, share, bit):
     data = bytearray(long_file.read_bytes())
     data[int(share * len(data))] ^= 1 << bit
-    whole = load_recording(long_file)
     with tempfile.TemporaryDirectory() as directory:
         (Path(directory) / RECORDING_NAME).write_bytes(data)
         try:
             read = load_recording(directory)
         except InputError:
             return
-        assert same(read, whole)  # the bit lay in the index, which is not needed here
+        assert same(read, long_recording)  # the bit lay in the index, which is not needed here
 
 
 def test_images_that_were_not_kept_are_missed_by_name(tmp_path):

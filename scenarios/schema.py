@@ -2,7 +2,9 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Annotated, Literal
+
+from msgspec import Meta
 
 from contracts import InputError
 from sim.lights import LightPreset
@@ -80,9 +82,9 @@ class Scenario:
     plant: str
     rig: str
     light: LightPreset
-    seed: int
-    duration_s: float
-    fps: float
+    seed: Annotated[int, Meta(ge=0)]
+    duration_s: Annotated[float, Meta(gt=0)]
+    fps: Annotated[float, Meta(gt=0, le=MAX_FPS)]
     name: str = ""
     world: Literal["rail"] = "rail"
     switch: dict[str, SwitchSetting] = field(default_factory=dict)

@@ -30,7 +30,7 @@ def varied(scenario: Scenario, values: Mapping[str, Value]) -> Scenario:
     Entries of lists go by their id or, from 0, by their number. Raises InputError for a key that is not there or a
     value that it cannot take.
     """
-    document = msgspec.to_builtins(scenario)
+    document = msgspec.json.decode(msgspec.json.encode(scenario))
     for key, value in values.items():
         _set(document, key, value)
     try:
@@ -61,6 +61,6 @@ def _child(document: Any, step: str, key: str) -> Any:
         children = {str(number): entry for number, entry in enumerate(document)}
         children |= {entry["id"]: entry for entry in document if "id" in entry}
     if not isinstance(children, dict) or step not in children:
-        known = f"; there are {', '.join(children)}" if isinstance(children, dict) else ""
-        raise InputError(f"there is no {step!r} in {key!r}{known}")
+        known = ", ".join(children) if isinstance(children, dict) else "none"
+        raise InputError(f"there is no {step!r} in {key!r}; there are {known}")
     return children[step]

@@ -1,0 +1,5 @@
+"""``python -m bench`` is ``gantry``."""
+
+from bench.cli import main
+
+main()

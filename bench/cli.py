@@ -1,0 +1,233 @@
+"""The command ``gantry``. Heavy imports stay inside the commands, so that ``gantry --help`` answers at once.
+
+Exit status: 0 fine, 1 an expectation failed or two runs differ, 2 wrong input (one sentence, no traceback).
+"""
+
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from contracts.errors import GantryError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from bench.jobs import Outcome
+    from bench.scores import Score
+
+EXPECTATION_FAILED = 1
+WRONG_INPUT = 2
+
+app = typer.Typer(
+    help="A test bench for overhead cameras: simulate, film, see, locate, and score against exact truth.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+RunDirectory = Annotated[Path, typer.Argument(help="A run directory.", metavar="RUN")]
+
+
+class Contract(StrEnum):
+    """What ``gantry check`` can examine."""
+
+    DETECTOR = "detector"
+    TRACKER = "tracker"
+    PERCEIVER = "perceiver"
+
+
+class ExportFormat(StrEnum):
+    """What ``gantry export`` writes."""
+
+    MOT = "mot"
+    COCO = "coco"
+    GEOJSON = "geojson"
+
+
+@app.command("list")
+def list_() -> None:
+    """List the scenarios of the library."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from scenarios.loader import list_scenarios, load_scenario
+
+    table = Table("scenario", "world", "title", box=None)
+    for name in list_scenarios():
+        scenario = load_scenario(name)
+        table.add_row(name, scenario.world, scenario.title)
+    Console().print(table)
+
+
+@app.command()
+def run(
+    scenarios: Annotated[list[str] | None, typer.Argument(help="Names or TOML files.", metavar="SCENARIO...")] = None,
+    detector: Annotated[str | None, typer.Option(help="Your own: my_pkg.mod:Mine.")] = None,
+    tracker: Annotated[str | None, typer.Option(help="Your own: my_pkg.mod:Mine.")] = None,
+    perceiver: Annotated[str | None, typer.Option(help="Detector and tracker in one: my_pkg.mod:Mine.")] = None,
+    model: Annotated[Path | None, typer.Option(help="Colour models from gantry learn.")] = None,
+    locator: Annotated[str, typer.Option(help="ray, or plane0 for the naive projection to z = 0.")] = "ray",
+    oracle: Annotated[list[str] | None, typer.Option(help="Give a stage the truth: detect, calibrate, locate.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Instead of the scenario's own.")] = None,
+    noise_seed: Annotated[int | None, typer.Option(help="Of the sensors alone; nothing else changes.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Run directory; runs/NAME if not given.")] = None,
+    frames: Annotated[bool, typer.Option("--frames", help="Record the frames themselves.")] = False,
+    video: Annotated[Path | None, typer.Option(help="Real footage instead of a scenario.")] = None,
+    camera: Annotated[Path | None, typer.Option(help="Camera file of the real footage.")] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print the scores as JSON and nothing else.")] = False,
+) -> None:
+    """Run scenarios through the chain and score them, or send real footage through the same chain."""
+    from bench.jobs import run_footage, run_scenario
+    from bench.report.terminal import print_outcome
+    from bench.scores import to_json
+    from bench.wiring import SHIPPED_MODEL, Stages
+    from contracts import InputError
+    from scenarios.loader import load_scenario
+
+    stages = Stages(
+        detector=detector,
+        tracker=tracker,
+        perceiver=perceiver,
+        model=model or SHIPPED_MODEL,
+        locator=locator,
+        oracles=tuple(oracle or ()),
+    )
+    if bool(scenarios) == bool(video) or bool(video) != bool(camera):
+        raise InputError("run takes either scenarios, or --video FILE together with --camera CAM.yaml")
+    outcomes = []
+    if video and camera:
+        outcomes.append(
+            run_footage(video, camera, stages, out or Path("runs") / video.stem, keep_frames=frames, quiet=json)
+        )
+    for scenario in [load_scenario(name) for name in scenarios or ()]:
+        several = out is not None and len(scenarios or ()) > 1
+        directory = (out / scenario.name if several else out) if out else Path("runs") / scenario.name
+        outcomes.append(
+            run_scenario(scenario, stages, directory, seed=seed, noise_seed=noise_seed, keep_frames=frames, quiet=json)
+        )
+    if json:
+        print(to_json(_all_scores(outcomes)))
+    else:
+        for outcome in outcomes:
+            print_outcome(outcome)
+    if any(outcome.failures for outcome in outcomes):
+        raise typer.Exit(EXPECTATION_FAILED)
+
+
+@app.command()
+def score(
+    directory: RunDirectory,
+    json: Annotated[bool, typer.Option("--json", help="Print the scores as JSON and nothing else.")] = False,
+) -> None:
+    """Score a recorded run again; nothing is simulated."""
+    from bench.jobs import rescore
+    from bench.report.terminal import print_outcome
+    from bench.scores import to_json
+
+    outcome = rescore(directory)
+    if json:
+        print(to_json(outcome.scores))
+    else:
+        print_outcome(outcome)
+
+
+@app.command()
+def diff(
+    first: RunDirectory,
+    second: RunDirectory,
+) -> None:
+    """Name the first frame and stage in which two runs differ, or say that they are equal."""
+    from bench.diff import first_difference
+    from bench.recording_file import load_recording
+
+    difference = first_difference(load_recording(first), load_recording(second))
+    print(difference or "equal")
+    if difference:
+        raise typer.Exit(EXPECTATION_FAILED)
+
+
+@app.command()
+def export(
+    directory: RunDirectory,
+    to: Annotated[ExportFormat, typer.Option(help="Format.")],
+    out: Annotated[Path | None, typer.Option(help="Directory; RUN/export-FORMAT if not given.")] = None,
+) -> None:
+    """Write a recorded run in a format that other tools read."""
+    from bench.export import export_run
+
+    print(export_run(directory, to.value, out or directory / f"export-{to.value}"))
+
+
+@app.command()
+def check(
+    contract: Annotated[Contract, typer.Argument(help="What it claims to be.")],
+    path: Annotated[str, typer.Argument(help="my_pkg.mod:Mine", metavar="PATH")],
+    frames: Annotated[Path | None, typer.Option(help="Try it on this run's recorded frames, too.")] = None,
+    camera: Annotated[str | None, typer.Option(help="The camera whose frames are taken.")] = None,
+) -> None:
+    """Examine whether a plug-in keeps the contract of its stage."""
+    from bench.check import check_plugin
+    from bench.recording_file import load_frames
+    from contracts import InputError
+
+    if (frames is None) != (camera is None):
+        raise InputError("check takes --frames RUN together with --camera NAME")
+    shown = list(load_frames(frames, camera)) if frames and camera else []
+    findings = check_plugin(contract.value, path, shown)
+    for finding in findings:
+        print(finding)
+    if findings:
+        raise typer.Exit(EXPECTATION_FAILED)
+    print(f"{path} keeps the contract of a {contract.value}")
+
+
+@app.command()
+def learn(
+    frames: Annotated[
+        list[Path], typer.Argument(help="Runs recorded with --frames, or COCO files.", metavar="FRAMES...")
+    ],
+    out: Annotated[Path, typer.Option(help="The model file to write.")],
+) -> None:
+    """Learn the vehicles' colour models from training frames."""
+    from bench.learn import learn_models
+
+    learn_models(frames, out)
+    print(out)
+
+
+@app.command()
+def plant(
+    name: Annotated[str, typer.Argument(help="Name or TOML file of a plant.")],
+    out: Annotated[Path, typer.Option(help="The SVG file to write.")],
+) -> None:
+    """Draw a plant to scale."""
+    from rail.drawing import plant_svg
+    from scenarios.plant_file import load_plant
+
+    out.write_text(plant_svg(load_plant(name)), encoding="utf-8")
+    print(out)
+
+
+def _all_scores(outcomes: "Sequence[Outcome]") -> "list[Score]":
+    """The scores of all runs; each name begins with its scenario's where there are several runs."""
+    from dataclasses import replace
+
+    if len(outcomes) == 1:
+        return list(outcomes[0].scores)
+    return [
+        replace(score, name=f"{outcome.recording.manifest.scenario}.{score.name}")
+        for outcome in outcomes
+        for score in outcome.scores
+    ]
+
+
+def main() -> None:
+    """Entry point: an error that Gantry raises on purpose is one sentence and exit status 2."""
+    try:
+        app()
+    except GantryError as error:
+        print(f"gantry: {error}", file=sys.stderr)
+        sys.exit(WRONG_INPUT)

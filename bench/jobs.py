@@ -1,0 +1,173 @@
+"""A run from beginning to end: a scenario or footage in, a finished run directory out, or nothing at all."""
+
+import itertools
+import os
+import shutil
+import tempfile
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+import cv2
+from rich.console import Console
+from rich.progress import track
+
+from bench.expectations import check
+from bench.footage import Footage
+from bench.recording import Manifest, Recording
+from bench.recording_file import RECORDING_NAME, Recorder, load_recording
+from bench.run import Chain, run
+from bench.scores import Score, write_scores
+from bench.scoring import score
+from bench.wiring import Stages, calibrated_cameras, make_chain, make_perception
+from contracts import InputError
+from contracts.truth import Step
+from georef.camera_file import read_camera
+from scenarios.loader import list_scenarios, load_scenario
+from scenarios.schema import Scenario
+from scenarios.worlds import build_world
+
+SCORES_NAME = "scores.json"
+SAMPLES_NAME = "samples"
+SAMPLES = 4  # pictures per camera that a run keeps for its report
+FOOTAGE_SAMPLE_EVERY = 100  # frames; the length of footage is not known beforehand
+DECIDING_PACKAGES = ("mujoco", "numpy", "opencv-python-headless", "scipy")
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """A finished run.
+
+    directory: where it lies.
+    failures: the scenario's expectations that it did not meet, one sentence each.
+    """
+
+    directory: Path
+    recording: Recording
+    scores: tuple[Score, ...]
+    failures: tuple[str, ...]
+
+
+def run_scenario(
+    scenario: Scenario,
+    stages: Stages,
+    directory: Path,
+    *,
+    seed: int | None = None,
+    noise_seed: int | None = None,
+    keep_frames: bool = False,
+    quiet: bool = False,
+) -> Outcome:
+    """Simulate, film, see, locate, record and score one scenario into ``directory``.
+
+    seed: instead of the scenario's own. noise_seed: of the sensors alone; nothing else changes with it.
+    """
+    workers = os.cpu_count() or 1
+    world = build_world(scenario, seed=seed, noise_seed=noise_seed, film=stages.needs_film, workers=workers)
+    perceive = make_perception(
+        stages, [camera.name for camera in world.cameras]
+    )  # first: a wrong plug-in costs no film
+    steps = world.steps()
+    first = next(steps)
+    manifest = Manifest(
+        scenario=scenario.name,
+        title=scenario.title,
+        world=scenario.world,
+        seed=scenario.seed if seed is None else seed,
+        fps=scenario.fps,
+        stages=stages.names(),
+        oracles=stages.oracles,
+        versions=_versions(),
+        survey=world.survey,
+        true_cameras=world.cameras,
+        calibrated_cameras=calibrated_cameras(world, first.frames, stages) if stages.needs_film else (),
+    )
+    shown = _with_progress(itertools.chain([first], steps), scenario.name, total=len(world), quiet=quiet)
+    chain = make_chain(stages, perceive, manifest.calibrated_cameras)
+    _record(shown, manifest, chain, directory, keep_frames=keep_frames, sample_every=len(world) // SAMPLES + 1)
+    return rescore(directory, scenario)
+
+
+def run_footage(
+    video: Path, camera_file: Path, stages: Stages, directory: Path, *, keep_frames: bool = False, quiet: bool = False
+) -> Outcome:
+    """Send real footage through the same chain. There is no truth, so every score is there and none is valid."""
+    if stages.oracles:
+        raise InputError("real footage has no truth: run it without --oracle")
+    calibrated = read_camera(camera_file)
+    footage = Footage(video, calibrated.camera)
+    manifest = Manifest(
+        scenario=video.name,
+        title=f"Footage {video.name}",
+        world="footage",
+        seed=0,
+        fps=footage.fps,
+        stages={**stages.names(), "calibrator": camera_file.name},
+        oracles=(),
+        versions=_versions(),
+        survey=None,
+        true_cameras=(),
+        calibrated_cameras=(calibrated,),
+    )
+    shown = _with_progress(footage.steps(), video.name, total=None, quiet=quiet)
+    chain = make_chain(stages, make_perception(stages, [calibrated.camera.name]), [calibrated])
+    _record(shown, manifest, chain, directory, keep_frames=keep_frames, sample_every=FOOTAGE_SAMPLE_EVERY)
+    return rescore(directory)
+
+
+def rescore(directory: Path, scenario: Scenario | None = None) -> Outcome:
+    """Score a recorded run (again) and write ``scores.json``; nothing is simulated.
+
+    scenario: whose expectations to hold; the run's own from the library if not given and still there.
+    """
+    recording = load_recording(directory)
+    scores = score(recording)
+    write_scores(directory / SCORES_NAME, scores)
+    name = recording.manifest.scenario
+    if scenario is None and name in list_scenarios():
+        scenario = load_scenario(name)
+    failures = check(scenario.expect, scores, recording) if scenario else ()
+    return Outcome(directory, recording, scores, tuple(failures))
+
+
+def _record(
+    steps: Iterable[Step], manifest: Manifest, chain: Chain, directory: Path, *, keep_frames: bool, sample_every: int
+) -> None:
+    with _whole_or_nothing(directory) as partial, Recorder(partial, manifest, keep_frames=keep_frames) as recorder:
+        run(_with_samples(steps, partial / SAMPLES_NAME, sample_every), chain, recorder)
+
+
+@contextmanager
+def _whole_or_nothing(directory: Path) -> Iterator[Path]:
+    """A directory beside ``directory`` that takes its place when the block ends well, and vanishes when it does not."""
+    if directory.exists() and not (directory / RECORDING_NAME).exists() and any(directory.iterdir()):
+        raise InputError(f"{directory} exists and is no run: choose another --out")
+    directory.parent.mkdir(parents=True, exist_ok=True)
+    partial = Path(tempfile.mkdtemp(prefix=f".{directory.name}-", dir=directory.parent))
+    try:
+        yield partial
+        shutil.rmtree(directory, ignore_errors=True)
+        partial.rename(directory)
+    except BaseException:
+        shutil.rmtree(partial, ignore_errors=True)
+        raise
+
+
+def _with_samples(steps: Iterable[Step], directory: Path, every: int) -> Iterator[Step]:
+    """Pass the steps on, keeping every so-manyth frame as a picture for the report."""
+    directory.mkdir()
+    for index, step in enumerate(steps):
+        if index % every == every // 2:
+            for frame in step.frames:
+                cv2.imwrite(str(directory / f"{frame.camera}_{frame.index:06d}.png"), frame.image)
+        yield step
+
+
+def _with_progress(steps: Iterable[Step], title: str, *, total: int | None, quiet: bool) -> Iterable[Step]:
+    return track(steps, title, total=total, disable=quiet, console=Console(stderr=True))
+
+
+def _versions() -> dict[str, str]:
+    return {package: version(package) for package in DECIDING_PACKAGES}

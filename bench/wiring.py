@@ -1,0 +1,123 @@
+"""Chooses the stages of a run: the only place that knows which implementation serves by default."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import perception
+from bench import oracles
+from bench.plugins import load_object
+from bench.run import Chain, Perception
+from contracts import Detector, Frame, GroundTracks, InputError, Locator, Perceiver, Tracker, Tracks
+from contracts.truth import Step, World
+from georef.calibrate import calibrate
+from georef.calibrated import CalibratedCamera
+from georef.fusion import CovarianceFuser
+from georef.location import GroundPlaneLocator, RayPlaneLocator
+from perception.colour_models import ColourModels
+from perception.hbp import HistogramBackProjection
+from perception.identity import ColourIdentity
+from perception.perceiver import DetectThenTrack
+
+SHIPPED_MODEL = Path(perception.__file__).parent / "models" / "rail.json"
+LOCATORS = {"ray": RayPlaneLocator, "plane0": GroundPlaneLocator}
+
+
+@dataclass(frozen=True)
+class Stages:
+    """Which implementation serves each stage: None for the bench's own, or a path such as ``my_pkg.mod:Mine``.
+
+    perceiver: replaces detector and tracker where given.
+    model: file of colour models for the bench's own detector.
+    locator: ``ray`` meets the plane at the anchor's height; ``plane0`` is the naive projection to z = 0.
+    oracles: stages that are given the truth.
+    """
+
+    detector: str | None = None
+    tracker: str | None = None
+    perceiver: str | None = None
+    model: Path = SHIPPED_MODEL
+    locator: str = "ray"
+    oracles: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for oracle in self.oracles:
+            if oracle not in oracles.ORACLES:
+                raise InputError(f"--oracle {oracle}: no such oracle, choose from {', '.join(oracles.ORACLES)}")
+        if self.locator not in LOCATORS:
+            raise InputError(f"--locator {self.locator}: no such locator, choose from {', '.join(LOCATORS)}")
+
+    @property
+    def needs_film(self) -> bool:
+        """False where the truth of the ground itself is given, so that no frame is looked at."""
+        return "locate" not in self.oracles
+
+    def names(self) -> dict[str, str]:
+        """The implementation of every stage, for the manifest."""
+        if not self.needs_film:
+            return {"locator": "oracle"}
+        eyes = {"detector": self.detector or f"hbp ({self.model.name})", "tracker": self.tracker or "colour identity"}
+        if self.perceiver or "detect" in self.oracles:
+            eyes = {"perceiver": "oracle" if "detect" in self.oracles else str(self.perceiver)}
+        calibrator = "oracle" if "calibrate" in self.oracles else "checkerboard and control points"
+        return {**eyes, "calibrator": calibrator, "locator": self.locator, "fuser": "covariance"}
+
+    def make_perceiver(self) -> Perceiver:
+        """A fresh perceiver for one camera."""
+        if self.perceiver:
+            whole: Perceiver = load_object(self.perceiver, Perceiver)
+            return whole
+        if self.detector:
+            detector: Detector = load_object(self.detector, Detector)
+        else:
+            detector = HistogramBackProjection(ColourModels.load(self.model))
+        tracker: Tracker = load_object(self.tracker, Tracker) if self.tracker else ColourIdentity()
+        return DetectThenTrack(detector, tracker)
+
+
+def make_perception(stages: Stages, cameras: Iterable[str]) -> Perception:
+    """What turns a step into the tracks of every camera."""
+    if not stages.needs_film:
+        return lambda _: ()
+    if "detect" in stages.oracles:
+        return oracles.detect
+    perceivers = {name: stages.make_perceiver() for name in cameras}
+
+    def perceive(step: Step) -> tuple[Tracks, ...]:
+        return tuple(perceivers[frame.camera].perceive(frame) for frame in step.frames)
+
+    return perceive
+
+
+def calibrated_cameras(world: World, frames: Sequence[Frame], stages: Stages) -> tuple[CalibratedCamera, ...]:
+    """Calibrate every camera from its checkerboard views and the control points in its first frame.
+
+    The calibrator is given the survey (nominal cameras, surveyed points), and the true camera only as an oracle.
+    """
+    if "calibrate" in stages.oracles:
+        return tuple(oracles.true_camera(camera) for camera in world.cameras)
+    survey = world.survey
+    first_frames = {frame.camera: frame for frame in frames}
+    return tuple(
+        calibrate(
+            nominal,
+            tuple(world.board_views(nominal.name)),
+            survey.board,
+            first_frames[nominal.name],
+            survey.control_points_m,
+        )
+        for nominal in survey.cameras
+    )
+
+
+def make_chain(stages: Stages, perceive: Perception, cameras: Sequence[CalibratedCamera]) -> Chain:
+    """The chain of a run over ``cameras``."""
+    fuse = CovarianceFuser().fuse
+    if not stages.needs_film:
+        return Chain(perceive=perceive, locate=oracles.locate, fuse=fuse)
+    locator: Locator = LOCATORS[stages.locator]({calibrated.camera.name: calibrated for calibrated in cameras})
+
+    def locate(_: Step, tracks: tuple[Tracks, ...]) -> tuple[GroundTracks, ...]:
+        return tuple(locator.locate(each) for each in tracks)
+
+    return Chain(perceive=perceive, locate=locate, fuse=fuse)

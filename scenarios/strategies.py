@@ -84,9 +84,12 @@ def timed_events(draw: st.DrawFn, plant: Plant, ids: list[str], duration_s: floa
     return TimedEvent(at_s, vehicle=subject, do=draw(st.sampled_from(["stop", "reverse"])))
 
 
-def motions(plant: Plant, *, max_vehicles: int = 4, duration_s: float = 3.0) -> st.SearchStrategy[MotionSpec]:
-    """Vehicles and commands that ``plant`` can serve; up to ``max_vehicles``, one of each colour."""
-    starts = st.lists(st.sampled_from(starting_places(plant)), unique=True, max_size=min(max_vehicles, len(Colour)))
+def motions(
+    plant: Plant, *, min_vehicles: int = 0, max_vehicles: int = 4, duration_s: float = 3.0
+) -> st.SearchStrategy[MotionSpec]:
+    """Vehicles and commands that ``plant`` can serve; at most one vehicle of each colour."""
+    places = st.sampled_from(starting_places(plant))
+    starts = st.lists(places, unique=True, min_size=min_vehicles, max_size=min(max_vehicles, len(Colour)))
     return starts.flatmap(lambda places: _motion_from(plant, places, duration_s))
 
 

@@ -1,9 +1,12 @@
 """The tiled floor and the marks on it."""
 
+from functools import lru_cache
+
 import cv2
 import numpy as np
 
 from contracts import FloatArray, ImageArray
+from sim.streams import stream
 
 TILE_M = 0.40
 MARK_RADIUS_M = 0.011  # a control point is a yellow disc of 22 mm
@@ -12,11 +15,13 @@ _TEXELS = 2048
 _GROUT_M = 0.004
 
 
-def floor_texture(rng: np.random.Generator) -> ImageArray:
+@lru_cache(maxsize=2)
+def floor_texture(seed: int) -> ImageArray:
     """One period of the floor, (2048, 2048, 3) RGB: grey-beige tiles that differ a little, with grout between them.
 
     The texture's edges are tile edges; it continues itself on all sides.
     """
+    rng = stream(seed, "floor")
     n, tiles = _TEXELS, round(PERIOD_M / TILE_M)
     tile_of = np.arange(n) * tiles // n
     tone = rng.normal(0.0, 5.0, (tiles, tiles, 1)) + rng.normal(0.0, 1.5, (tiles, tiles, 3))

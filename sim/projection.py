@@ -50,4 +50,4 @@ def trusted_radius(intrinsics: Intrinsics) -> float:
     radii = np.linspace(0.0, _FIELD_MARGIN * farthest, 256)
     slope = 1 + 3 * k1 * radii**2 + 5 * k2 * radii**4 + 7 * k3 * radii**6  # d/dr of r (1 + k1 r2 + k2 r4 + k3 r6)
     folded = np.flatnonzero(slope <= 0.0)
-    return float(radii[folded[0]] if folded.size else radii[-1])
+    return float(radii[folded[0] - 1] if folded.size else radii[-1])

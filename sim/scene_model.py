@@ -52,7 +52,7 @@ def _set_quality(spec: mujoco.MjSpec, buffer_px: tuple[int, int]) -> None:
 
 def _add_floor(spec: mujoco.MjSpec, scene: Scene) -> None:
     x0, y0, x1, y1 = scene.floor_m
-    picture = floor_texture(stream(scene.seed, "floor"))
+    picture = floor_texture(scene.seed)
     texture = spec.add_texture(
         name="floor", type=mujoco.mjtTexture.mjTEXTURE_2D, width=picture.shape[1], height=picture.shape[0], nchannel=3
     )

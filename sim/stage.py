@@ -112,8 +112,10 @@ def _static_geometry(model: mujoco.MjModel) -> mujoco.MjvScene:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     mujoco.mjv_updateScene(model, data, mujoco.MjvOption(), None, mujoco.MjvCamera(), mujoco.mjtCatBit.mjCAT_ALL, drawn)
+    flat = [model.geom(name).id for name in ("floor", "marks")]
     for geom in drawn.geoms[: drawn.ngeom]:
         geom.segid = _STATIC_SEGID
+        geom.castshadow = geom.objid not in flat  # or what lies on the ground would speckle itself in wide views
         geom.specular = geom.shininess = geom.reflectance = geom.emission = 0.0
     for flag in (_Flag.mjRND_REFLECTION, _Flag.mjRND_SKYBOX, _Flag.mjRND_HAZE, _Flag.mjRND_FOG):
         drawn.flags[flag] = False

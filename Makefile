@@ -1,13 +1,14 @@
 # make demo      set everything up, film the model railway, score it, write the report
 # make test      set everything up, run the linters, the type checker and the tests
 # make accuracy  film everything, hold every expectation, write docs/accuracy.md
+# make model     film the training scenarios and learn perception/models/rail.json from them
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 export MUJOCO_GL ?= egl
 
-.PHONY: demo test accuracy setup lint clean
+.PHONY: demo test accuracy model setup lint clean
 
 demo: setup
 	$(BIN)/gantry run oval-two-vehicles --out runs/demo
@@ -18,6 +19,12 @@ test: setup lint
 
 accuracy: setup
 	$(BIN)/python -m bench.accuracy
+
+TRAINING := $(basename $(notdir $(wildcard scenarios/library/train-*.toml)))
+
+model: setup
+	$(BIN)/gantry run $(TRAINING) --oracle detect --oracle calibrate --frames --out runs/training
+	$(BIN)/gantry learn $(addprefix runs/training/,$(TRAINING)) --out perception/models/rail.json
 
 lint: setup
 	$(BIN)/ruff check .

@@ -13,6 +13,7 @@ from contracts import FloatArray, Frame, ImageArray
 from perception.learning import LabelledFrame
 
 SUPERSAMPLING = 8
+LENS_BLUR_PX = 0.5
 COLOURS_BGR = {"blue": (190, 70, 25), "red": (35, 30, 185), "green": (60, 150, 40), "yellow": (20, 170, 200)}
 
 
@@ -45,10 +46,11 @@ def floor(rng: np.random.Generator, shape: tuple[int, int] = (360, 640)) -> Imag
 
 
 def draw(background: ImageArray, boxes: list[Box], *, gain: float = 1.0) -> ImageArray:
-    """The boxes on the background, everything multiplied by ``gain``."""
+    """The boxes on the background, blurred as by a good lens, everything multiplied by ``gain``."""
     image = background.astype(np.float64)
     for box in boxes:
         _draw_box(image, box)
+    image = cv2.GaussianBlur(image, (0, 0), LENS_BLUR_PX)
     return np.clip(image * gain, 0, 255).round().astype(np.uint8)
 
 

@@ -23,7 +23,7 @@ OVAL = load_plant("oval")
 UNTIL_S = 1.5
 STOPPERS = (EventKind.CONTACT, EventKind.DERAIL)
 
-few = settings(max_examples=12)
+few = settings(max_examples=8)
 
 
 def centre_lines(plant: Plant) -> shapely.MultiLineString:

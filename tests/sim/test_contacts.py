@@ -9,7 +9,7 @@ from sim.boxes import Box, separation_m
 from sim.contacts import TOUCH_M, first_touch
 
 FRAME_S = 0.04
-SAMPLES = 4001
+SAMPLES = 1501
 
 
 def flown(box: Box, velocity_mps: tuple[float, float], spin_radps: float, time_s: float) -> Box:

@@ -11,8 +11,6 @@ from contracts import FloatArray, InputError, frozen_array
 from contracts.arrays import freeze
 from perception.hue_saturation import SHAPE
 
-RAIL_MODELS = Path(__file__).parent / "models" / "rail.json"
-
 Range = tuple[float, float]
 
 BOTH = "both"  # both ends of a roof's axis were measured
@@ -84,8 +82,9 @@ class ColourModels:
             raise InputError(f"ColourModels: labels must be unique, got {labels}")
 
     def save(self, path: Path) -> None:
-        """Write to a JSON file."""
-        path.write_bytes(msgspec.json.format(msgspec.json.encode(self, enc_hook=_encode), indent=0) + b"\n")
+        """Write to a JSON file, one line for each model; histograms as [hue bin, saturation bin, pixels]."""
+        lines = b",\n".join(msgspec.json.encode(model, enc_hook=_encode) for model in self.models)
+        path.write_bytes(b'{"models":[\n' + lines + b"\n]}\n")
 
     @classmethod
     def load(cls, path: Path) -> "ColourModels":
@@ -99,10 +98,16 @@ class ColourModels:
 
 
 def _encode(value: Any) -> Any:
-    if isinstance(value, np.ndarray):
-        return np.round(value, 1).tolist()
-    raise NotImplementedError(f"{type(value).__name__} has no JSON form")
+    if not isinstance(value, np.ndarray):
+        raise NotImplementedError(f"{type(value).__name__} has no JSON form")
+    whole = np.rint(value).astype(np.int64)
+    return [[hue, saturation, int(whole[hue, saturation])] for hue, saturation in np.argwhere(whole).tolist()]
 
 
 def _decode(_: type, value: Any) -> FloatArray:
-    return frozen_array(value, name="histogram", shape=SHAPE)
+    bins = frozen_array(value, name="histogram", shape=(None, 3), dtype=np.int64)
+    if (bins[:, :2] < 0).any() or (bins[:, :2] >= SHAPE).any():
+        raise InputError(f"histogram has a bin outside {SHAPE[0]} x {SHAPE[1]}")
+    counts = np.zeros(SHAPE)
+    counts[bins[:, 0], bins[:, 1]] = bins[:, 2]
+    return counts

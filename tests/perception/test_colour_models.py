@@ -14,7 +14,7 @@ def test_what_is_saved_is_loaded(models, tmp_path):
     models.save(path)
     loaded = ColourModels.load(path)
     for before, after in zip(models.models, loaded.models, strict=True):
-        assert np.abs(before.histogram - after.histogram).max() <= 0.05 + 1e-9
+        assert np.abs(before.histogram - after.histogram).max() <= 0.5
         assert replace(before, histogram=after.histogram).anchor_moments_px2 == after.anchor_moments_px2
         assert (before.label, before.area_px, before.roof_long_px) == (after.label, after.area_px, after.roof_long_px)
 
@@ -63,9 +63,13 @@ def test_a_file_that_is_no_model_is_refused_by_name(models, tmp_path):
     path.write_bytes(msgspec.json.encode(content))
     with pytest.raises(InputError, match=r"bad\.json.*area_px"):
         ColourModels.load(path)
-    content["models"][0] |= {"area_px": [1.0, 2.0], "histogram": [[1.0]]}
+    content["models"][0] |= {"area_px": [1.0, 2.0], "histogram": [[1]]}
     path.write_bytes(msgspec.json.encode(content))
     with pytest.raises(InputError, match=r"bad\.json.*histogram"):
+        ColourModels.load(path)
+    content["models"][0]["histogram"] = [[90, 0, 5]]
+    path.write_bytes(msgspec.json.encode(content))
+    with pytest.raises(InputError, match=r"bad\.json.*90 x 32"):
         ColourModels.load(path)
     del content["models"][0]["histogram"]
     path.write_bytes(msgspec.json.encode(content))

@@ -1,5 +1,6 @@
 """Real footage as a source of steps: a video, a folder of images or one image. No truth comes with it."""
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,8 @@ import numpy as np
 
 from contracts import Camera, Frame, InputError
 from contracts.truth import Step
+
+os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")  # wrong footage is said once, in our own sentence
 
 IMAGE_SUFFIXES = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp"}
 

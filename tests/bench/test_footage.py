@@ -74,10 +74,11 @@ def test_a_told_frame_rate_goes_before_the_video_s_own(video):
     assert [step.frames[0].time_ns for step in Footage(video, CAMERA, fps=1.0).steps()] == [0, 10**9, 2 * 10**9]
 
 
-def test_a_file_that_is_no_video_is_named(tmp_path):
+def test_a_file_that_is_no_video_is_named_once(tmp_path, capfd):
     (tmp_path / "no.mp4").write_text("no video")
     with pytest.raises(InputError, match=r"no\.mp4 is no video that can be read"):
         Footage(tmp_path / "no.mp4", CAMERA)
+    assert capfd.readouterr().err == ""  # the decoder keeps quiet
 
 
 def test_an_image_that_is_no_image_is_named_when_it_is_reached(folder):

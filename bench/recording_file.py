@@ -128,8 +128,8 @@ def load_recording(directory: Path | str, *, salvage: bool = False) -> Recording
         else:
             parts.add(path, message)
     if messages.damage and not (salvage and manifest):
-        saved = f"{len(steps)} whole steps of it can still be read with load_recording(..., salvage=True)"
-        raise InputError(f"{path} {messages.damage}; {saved}")
+        left = f"{len(steps)} whole steps of it can be read with salvage=True" if steps else "no whole step is left"
+        raise InputError(f"{path} {messages.damage}; {left}")
     if manifest is None:
         raise InputError(f"{path} is no recording of Gantry: nothing in it says what was run")
     return Recording(manifest, tuple(steps))

@@ -1,6 +1,7 @@
 """The model railway as geometry and graph. No pixels, no motion.
 
-A plant is made from its specification by ``rail.build.build_plant``; ``rail.graph`` moves along it.
+A plant is made from its specification by ``rail.build.build_plant``; ``rail.graph`` moves along it,
+``rail.routes`` measures it.
 """
 
 from rail.build import build_plant

@@ -7,7 +7,8 @@ import numpy as np
 
 from contracts import FloatArray, InputError
 from rail.crossings import crossings_of
-from rail.curves import Bend, Curve, Pose2, biarc, joined, wrapped
+from rail.curves import Pose2, wrapped
+from rail.placement import owner_of, place_sections, port_named
 from rail.plant import Balise, BufferStop, End, Plant, Port, Section, Side, Switch, known
 from rail.spec import BaliseSpec, PlantSpec, SectionSpec, SwitchSpec
 from rail.switch_status import spot_state
@@ -28,7 +29,7 @@ def build_plant(spec: PlantSpec, name: str) -> Plant:
     0.1 degrees, curves tighter than allowed, dangling or doubly used ports, tracks that cross undeclared, switch spots
     in the way of vehicles, duplicate or impossible balise codes and balises off their section.
     """
-    sections = _Placer(spec).sections()
+    sections = place_sections(spec.section)
     _check_radii(sections, spec.min_radius_m)
     switches = {id_: _switch(id_, switch, sections) for id_, switch in spec.switch.items()}
     joints = _joints(spec, sections, switches)
@@ -48,70 +49,6 @@ def build_plant(spec: PlantSpec, name: str) -> Plant:
         joints=joints,
         bounds_m=(low[0], low[1], high[0], high[1]),
     )
-
-
-def port_named(text: str, sections: Iterable[str], owner: str) -> Port:
-    """The port that ``text`` such as ``"north.end"`` names; InputError that says what would do."""
-    section, _, end = text.rpartition(".")
-    if end not in (End.START, End.END):
-        raise InputError(f"{owner}: {text!r} is no port; write SECTION.start or SECTION.end")
-    return Port(known(section, sections, f"{owner}: port {text!r}: section"), End(end))
-
-
-class _Placer:
-    """Finds every section's curve, each from the port that it continues or leads to."""
-
-    def __init__(self, spec: PlantSpec) -> None:
-        if not spec.section:
-            raise InputError("a plant needs at least one section")
-        self._specs = spec.section
-        self._curves: dict[str, Curve] = {}
-        self._open: list[str] = []  # what is being placed, to find circles
-
-    def sections(self) -> dict[str, Section]:
-        return {id_: Section(id_, self._curve(id_)) for id_ in self._specs}
-
-    def _curve(self, id_: str) -> Curve:
-        if id_ not in self._curves:
-            start, bends = self._start(id_), list[Bend]()
-            for number, piece in enumerate(self._specs[id_].pieces, start=1):
-                try:
-                    here = Curve(start, tuple(bends)).end if bends else start
-                    bends += self._closing(id_, here) if piece.close else piece.bends()
-                except InputError as error:
-                    raise InputError(f"section {id_!r}, piece {number}: {error}") from error
-            if not bends:
-                raise InputError(f"section {id_!r} has no pieces; give it at least one")
-            self._curves[id_] = joined(start, [tuple(bends)])
-        return self._curves[id_]
-
-    def _start(self, id_: str) -> Pose2:
-        spec = self._specs[id_]
-        if (spec.at is None) == (spec.after is None):
-            raise InputError(f"section {id_!r} needs either a pose 'at' or a port 'after' which it begins, not both")
-        return (
-            spec.at.pose if spec.at else self._pose_out_of(port_named(str(spec.after), self._specs, _owner(id_)), id_)
-        )
-
-    def _closing(self, id_: str, here: Pose2) -> tuple[Bend, ...]:
-        to = self._specs[id_].to
-        if to is None:
-            raise InputError("close = true needs the port 'to' which the section leads")
-        return biarc(here, self._pose_out_of(port_named(to, self._specs, _owner(id_)), id_).reversed())
-
-    def _pose_out_of(self, port: Port, asking: str) -> Pose2:
-        if asking in self._open:
-            circle = " after ".join([*self._open[self._open.index(asking) :], asking])
-            raise InputError(f"sections are placed in a circle ({circle}); give one of them a pose 'at'")
-        self._open.append(asking)
-        try:
-            return self._curve(port.section).end if port.end is End.END else self._start(port.section).reversed()
-        finally:
-            self._open.pop()
-
-
-def _owner(section: str) -> str:
-    return f"section {section!r}"
 
 
 def _check_radii(sections: Mapping[str, Section], min_radius_m: float) -> None:
@@ -176,7 +113,7 @@ def _joints(spec: PlantSpec, sections: Mapping[str, Section], switches: Mapping[
         for own, named in _neighbours(id_, section, sections):
             if own in switched and named in switched:
                 continue
-            _check_joint(own, named, sections, _owner(id_))
+            _check_joint(own, named, sections, owner_of(id_))
             for port, other in ((own, named), (named, own)):
                 if joints.setdefault(port, other) != other:
                     raise InputError(f"port {port} is joined to both {joints[port]} and {other}; a switch joins three")
@@ -185,7 +122,7 @@ def _joints(spec: PlantSpec, sections: Mapping[str, Section], switches: Mapping[
 
 def _neighbours(id_: str, spec: SectionSpec, sections: Mapping[str, Section]) -> list[tuple[Port, Port]]:
     named = ((End.START, spec.after), (End.END, spec.to))
-    return [(Port(id_, end), port_named(text, sections, _owner(id_))) for end, text in named if text is not None]
+    return [(Port(id_, end), port_named(text, sections, owner_of(id_))) for end, text in named if text is not None]
 
 
 def _buffer(id_: str, port_text: str, sections: Mapping[str, Section]) -> BufferStop:

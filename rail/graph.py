@@ -1,10 +1,8 @@
-"""Moving along the plant: where a distance leads, what is passed on the way, what lies ahead."""
+"""Moving along the plant: where a distance leads, what is passed on the way, which switch comes next."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from heapq import heappop, heappush
-from itertools import count
 from math import copysign, isfinite, pi
 
 from contracts import InputError, SwitchState
@@ -155,89 +153,36 @@ def next_switch_ahead(plant: Plant, location: Location, within_m: float) -> Swit
             return SwitchAhead(switch, port, distance_m)
         if port not in plant.joints:
             return None
-        location = _at_port(plant, plant.joints[port])
+        location = at_port(plant, plant.joints[port])
         distance_m += metres_to_end(plant, location)
     return None
-
-
-def distance_ahead(plant: Plant, a: Location, b: Location, states: SwitchStates | None = None) -> float | None:
-    """Least way from ``a`` to the place of ``b`` (its direction does not matter) without turning back.
-
-    states: how the switches lie; None lets each be set as needed. None where no way leads there.
-    """
-    check_location(plant, a)
-    check_location(plant, b)
-    ways = (
-        done_m + (b.offset_m - here.offset_m) * here.direction
-        for here, done_m in _ways_ahead(plant, a, states)
-        if here.section == b.section and (b.offset_m - here.offset_m) * here.direction >= 0
-    )
-    return min(ways, default=None)
-
-
-def distance(plant: Plant, a: Location, b: Location, states: SwitchStates | None = None) -> float | None:
-    """Least way along the track between the places of ``a`` and ``b``, starting forwards or backwards from ``a``."""
-    ways = (distance_ahead(plant, start, b, states) for start in (a, a.reversed()))
-    return min((way for way in ways if way is not None), default=None)
-
-
-def sections_reachable(plant: Plant, location: Location, states: SwitchStates | None = None) -> frozenset[str]:
-    """Sections that a vehicle comes to from ``location`` without turning back, its own included."""
-    check_location(plant, location)
-    return frozenset(here.section for here, _ in _ways_ahead(plant, location, states))
-
-
-def _ways_ahead(plant: Plant, start: Location, states: SwitchStates | None) -> Iterator[tuple[Location, float]]:
-    """``start``, then every section entrance ahead of it with its distance, nearest first (Dijkstra 1959)."""
-    order = count()  # decides between equal distances; locations have no order of their own
-    queue: list[tuple[float, int, Location]] = [(0.0, next(order), start)]
-    seen: set[Location] = set()
-    while queue:
-        done_m, _, here = heappop(queue)
-        if here in seen:
-            continue
-        seen.add(here)
-        yield here, done_m
-        done_m += metres_to_end(plant, here)
-        for port in _exits(plant, port_ahead(here), states):
-            heappush(queue, (done_m, next(order), _at_port(plant, port)))
-
-
-def _exits(plant: Plant, port: Port, states: SwitchStates | None) -> list[Port]:
-    """Ports at which track that leaves through ``port`` can go on."""
-    if port in plant.joints:
-        return [plant.joints[port]]
-    if port not in plant.switch_at:
-        return []
-    switch = plant.switch_at[port]
-    chosen = [SwitchState.STRAIGHT, SwitchState.DIVERGING] if states is None else [_state(switch, states)]
-    return [exit_ for state in chosen if (exit_ := switch.other_side(port, state)) is not None]
 
 
 def _entered(plant: Plant, port: Port, states: SwitchStates) -> Location | Block:
     """Where one comes out that leaves a section through ``port``, or what blocks the way."""
     if port in plant.joints:
-        return _at_port(plant, plant.joints[port])
+        return at_port(plant, plant.joints[port])
     buffer: BufferStop | None = plant.buffer_at.get(port)
     if buffer is not None:
         return Block(BlockedBy.BUFFER, buffer.id)
     switch = plant.switch_at[port]
-    state = _state(switch, states)
+    state = state_of(switch, states)
     other = switch.other_side(port, state)
     if other is not None:
-        return _at_port(plant, other)
+        return at_port(plant, other)
     moving = switch.branch(state) is None
     return Block(BlockedBy.SWITCH_MOVING if moving else BlockedBy.SWITCH_AGAINST, switch.id)
 
 
-def _state(switch: Switch, states: SwitchStates) -> SwitchState:
+def state_of(switch: Switch, states: SwitchStates) -> SwitchState:
+    """How ``switch`` lies; InputError if ``states`` does not say."""
     try:
         return states[switch.id]
     except KeyError:
         raise InputError(f"no state given for switch {switch.id!r}; states are known of {sorted(states)}") from None
 
 
-def _at_port(plant: Plant, port: Port) -> Location:
+def at_port(plant: Plant, port: Port) -> Location:
     """Just inside the section, looking away from ``port``."""
     if port.end is End.START:
         return Location(port.section, 0.0, 1)

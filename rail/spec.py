@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 from math import radians
 
 from contracts import InputError
-from rail.curves import Bend, Pose2, line, shift, turn
+from rail.curves import Bend, Pose2
+from rail.pieces import line, shift, turn
 from rail.plant import Side
 
 

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from scipy.special import fresnel
 
 from contracts import InputError
-from rail.curves import Bend, Curve, Pose2, biarc, joined, line, shift, turn, wrapped
+from rail.curves import Bend, Curve, Pose2, wrapped
+from rail.pieces import biarc, line, shift, turn
 
 coordinates = st.floats(-5.0, 5.0)
 poses = st.builds(Pose2, coordinates, coordinates, st.floats(-pi, pi))
@@ -44,7 +45,7 @@ def test_left_of_is_the_left_offset(pose, forward_m, left_m):
 
 @given(st.floats(0.35, 3.0), st.floats(0.01, 2 * pi), st.booleans(), poses)
 def test_an_arc_stays_on_its_circle_and_turns_by_its_angle(radius_m, angle_rad, left, start):
-    curve = joined(start, [turn(angle_rad if left else -angle_rad, radius_m)])
+    curve = Curve(start, turn(angle_rad if left else -angle_rad, radius_m))
     centre = start.offset(0.0, radius_m if left else -radius_m)
     assert np.abs(np.hypot(*(curve.points(0.05) - centre).T) - radius_m).max() < 1e-12
     assert abs(abs(curve.end.heading_rad - start.heading_rad) - angle_rad) < 1e-12
@@ -116,14 +117,14 @@ def test_a_biarc_leads_from_pose_to_pose(start, end):
     assume(gap_m(start, end) > 0.01)
     assume((end.x_m - start.x_m) * (ahead[0] - start.x_m) + (end.y_m - start.y_m) * (ahead[1] - start.y_m) > 0.01)
     assume(abs(wrapped(end.heading_rad - start.heading_rad)) < 3.0)
-    curve = joined(start, [biarc(start, end)])
+    curve = Curve(start, biarc(start, end))
     assert gap_m(curve.end, end) < 1e-9
     assert abs(wrapped(curve.end.heading_rad - end.heading_rad)) < 1e-9
 
 
 @given(poses, st.floats(-0.6, 0.6).filter(lambda left: abs(left) > 0.01), st.floats(0.35, 2.0))
 def test_a_shift_ends_parallel_and_aside(start, left_m, radius_m):
-    curve = joined(start, [shift(left_m, radius_m)])
+    curve = Curve(start, shift(left_m, radius_m))
     assert abs(start.left_of(curve.end.x_m, curve.end.y_m) - left_m) < 1e-12
     assert abs(curve.end.heading_rad - start.heading_rad) < 1e-12
     assert curve.min_radius_m == pytest.approx(radius_m, abs=1e-12)
@@ -131,14 +132,14 @@ def test_a_shift_ends_parallel_and_aside(start, left_m, radius_m):
 
 @given(st.floats(0.5, 3.0), st.floats(0.5, 1.5), st.floats(0.01, 0.2))
 def test_clothoids_take_their_share_of_a_turn(angle_rad, radius_m, ease_m):
-    curve = joined(Pose2(0.0, 0.0, 0.0), [turn(angle_rad, radius_m, ease_m)])
+    curve = Curve(Pose2(0.0, 0.0, 0.0), turn(angle_rad, radius_m, ease_m))
     assert abs(curve.end.heading_rad - angle_rad) < 1e-12
     assert curve.curvature_at(0.0) == 0.0
     assert abs(curve.curvature_at(curve.length_m)) < 1e-12
 
 
 def test_a_straight_biarc_is_a_line():
-    curve = joined(Pose2(0.0, 0.0, 0.0), [biarc(Pose2(0.0, 0.0, 0.0), Pose2(2.0, 0.0, 0.0))])
+    curve = Curve(Pose2(0.0, 0.0, 0.0), biarc(Pose2(0.0, 0.0, 0.0), Pose2(2.0, 0.0, 0.0)))
     assert abs(curve.length_m - 2.0) < 1e-12
 
 

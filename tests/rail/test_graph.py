@@ -11,13 +11,11 @@ from rail.graph import (
     BlockedBy,
     Location,
     advance,
-    distance,
-    distance_ahead,
     next_switch_ahead,
     pose_at,
-    sections_reachable,
 )
 from rail.plant import Balise, Plant, Switch
+from rail.routes import distance, distance_ahead, sections_reachable
 from scenarios.plant_file import load_plant, plant_names
 
 PLANTS = {name: load_plant(name) for name in plant_names()}

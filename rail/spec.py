@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import radians
+from math import isfinite, radians
 
 from contracts import InputError
 from rail.curves import Bend, Pose2
@@ -17,6 +17,12 @@ class PlaceSpec:
     x_m: float
     y_m: float
     heading_deg: float
+
+    def __post_init__(self) -> None:
+        if not all(map(isfinite, (self.x_m, self.y_m, self.heading_deg))):
+            raise InputError(
+                f"a pose at ({self.x_m}, {self.y_m}) m, {self.heading_deg} deg is none; give finite numbers"
+            )
 
     @property
     def pose(self) -> Pose2:

@@ -110,6 +110,11 @@ def test_a_piece_is_one_thing(piece, says):
         PieceSpec(**piece)
 
 
+def test_a_place_needs_finite_numbers():
+    with pytest.raises(InputError, match="finite"):
+        at(0.0, float("nan"), 0.0)
+
+
 def test_unknown_names_are_answered_with_the_known_ones():
     plant = built(fork())
     with pytest.raises(InputError, match="section 'nord' is unknown; there are stem, main, side"):

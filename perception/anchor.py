@@ -10,7 +10,10 @@ from perception.roof import Roof, measure_roof, seed_quad
 from perception.silhouette import Silhouette
 
 FARTHEST_PX = 6.0  # the measured middle is not farther than this from the rough one
-ODD = 0.03  # a size that departs from the learned range by more than this share is not the whole roof's
+ODD_SIZE = 0.12  # a size that departs from the usual one by more than this share is not the whole roof's
+ODD_RATIO = (
+    0.05  # nor are both, if their ratio departs by more than this; a lens changes it by up to 4 % near the border
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,9 +63,8 @@ def complete_roof(roof: Roof, model: ColourModel, outward: FloatArray) -> Anchor
     """The anchor from the measured sides, with the learned size where an end of the roof was hidden."""
     axes = roof.axes  # (2, 2) long, short
     size = np.array(roof.size_px)
-    learned = np.array([model.roof_long_px, model.roof_short_px])  # (2, 2) least, most
-    usual = learned.mean(axis=1)
-    whole = roof.ends_measured.all(axis=1) & (size > learned[:, 0] * (1 - ODD)) & (size < learned[:, 1] * (1 + ODD))
+    usual = np.array(model.roof_size_px)
+    whole = _whole(roof, size / usual)
     scale = float(np.mean(size[whole] / usual[whole])) if whole.any() else 1.0  # of this camera against training's
     expected = scale * usual
     completed = [
@@ -75,6 +77,18 @@ def complete_roof(roof: Roof, model: ColourModel, outward: FloatArray) -> Anchor
     quad = point + (np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * half) @ axes
     visible = float(np.clip(np.prod(size / expected), 0.0, 1.0))
     return Anchor(point, axes.T @ np.diag(moments) @ axes, quad, visible, (completed[0].regime, completed[1].regime))
+
+
+def _whole(roof: Roof, relative_size: FloatArray) -> BoolArray:
+    """(2,) whether each axis was measured from one end of the roof to the other; sizes relative to the usual ones.
+
+    A camera that hangs lower scales both axes alike; a cover or a wall taken for the roof changes one of them.
+    """
+    departure = np.abs(np.log(relative_size))  # (2,)
+    whole = roof.ends_measured.all(axis=1) & (departure < ODD_SIZE)
+    if whole.all() and abs(np.log(relative_size[0] / relative_size[1])) > ODD_RATIO:
+        whole[np.argmax(departure)] = False
+    return np.asarray(whole)
 
 
 @dataclass(frozen=True)

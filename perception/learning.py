@@ -10,9 +10,9 @@ from contracts import BoolArray, FloatArray, Frame, ImageArray, InputError
 from contracts.arrays import freeze
 from perception.anchor import outward_px
 from perception.anchor_errors import KnownRoof, anchor_moments
-from perception.colour_models import REGIMES, ColourModel, ColourModels
+from perception.colour_models import REGIMES, ColourModel, ColourModels, Range
 from perception.hue_saturation import SHAPE, histogram, hue_saturation_value, ratio_histogram, widened
-from perception.silhouette import Silhouette, silhouette_at
+from perception.silhouette import silhouette_at
 
 LEAST_PART = 0.5  # a vehicle hidden by so much is still looked for
 MARGIN = 1.25  # gates are so much wider than what training showed
@@ -86,8 +86,10 @@ def learn(samples: Iterable[LabelledFrame]) -> ColourModels:
             examples.setdefault(sample.labels[row], []).append(_cut_out(sample, row, whole))
     if not examples:
         raise InputError(f"learn: none of the {frames} samples holds a vehicle wholly inside its image")
-    background /= frames
-    return ColourModels(tuple(_model(label, examples[label], background) for label in sorted(examples)))
+    open_models = [_open_model(label, examples[label], background / frames) for label in sorted(examples)]
+    known = [_known_roofs(model, examples[model.label]) for model in open_models]
+    moments = anchor_moments([roof for of_one_colour in known for roof in of_one_colour])
+    return ColourModels(tuple(_gated(*pair, moments) for pair in zip(open_models, known, strict=True)))
 
 
 def _outside(sample: LabelledFrame) -> ImageArray:
@@ -109,10 +111,11 @@ def _cut_out(sample: LabelledFrame, row: int, image_histogram: FloatArray) -> _E
     return _Example(image, quad - low, float(sample.heights_m[row]), outward, image_histogram)
 
 
-def _model(label: str, examples: list[_Example], background: FloatArray) -> ColourModel:
+def _open_model(label: str, examples: list[_Example], background: FloatArray) -> ColourModel:
+    """Colour and size of one vehicle, with gates that let everything through."""
     sides = np.array([example.sides_px for example in examples])  # (E, 2)
     (long_min, short_min), (long_max, short_max) = sides.min(axis=0).tolist(), sides.max(axis=0).tolist()
-    free = ColourModel(
+    return ColourModel(
         label=label,
         histogram=_model_histogram(examples, background),
         area_px=(1.0, _ANY_AREA_PX),
@@ -123,26 +126,31 @@ def _model(label: str, examples: list[_Example], background: FloatArray) -> Colo
         roof_height_m=float(np.mean([example.height_m for example in examples])),
         anchor_moments_px2=dict.fromkeys(REGIMES, (1.0, 1.0)),
     )
-    outlined = [(example, outline) for example in examples if (outline := _outline(free, example)) is not None]
-    if not outlined:
-        raise InputError(f"learn: no vehicle labelled {label!r} stands out from the background by hue and saturation")
-    outlines = [outline for _, outline in outlined]
-    known = [KnownRoof(example.image, outline, example.centre_px, example.outward) for example, outline in outlined]
+
+
+def _known_roofs(model: ColourModel, examples: list[_Example]) -> list[KnownRoof]:
+    known = []
+    for example in examples:
+        ratio = ratio_histogram(model.histogram, example.image_histogram)
+        outline = silhouette_at(example.image, example.centre_px, ratio, model)
+        if outline is not None:
+            known.append(KnownRoof(model, example.image, outline, example.centre_px, example.outward))
+    if not known:
+        raise InputError(f"learn: no vehicle labelled {model.label!r} stands out by hue and saturation")
+    return known
+
+
+def _gated(model: ColourModel, known: list[KnownRoof], moments: dict[str, Range]) -> ColourModel:
+    """The model with its gates set to what the outlines of whole vehicles showed, with a margin."""
+    outlines = [roof.silhouette for roof in known]
+    areas = [outline.area_px for outline in outlines]
     return replace(
-        free,
-        area_px=(
-            LEAST_PART * min(outline.area_px for outline in outlines),
-            MARGIN * max(outline.area_px for outline in outlines),
-        ),
+        model,
+        area_px=(LEAST_PART * min(areas), MARGIN * max(areas)),
         side_ratio=(LEAST_PART * min(outline.side_ratio for outline in outlines), 1.0),
         rectangularity_min=min(outline.rectangularity for outline in outlines) / MARGIN,
-        anchor_moments_px2=anchor_moments(free, known),
+        anchor_moments_px2=moments,
     )
-
-
-def _outline(model: ColourModel, example: _Example) -> Silhouette | None:
-    ratio = ratio_histogram(model.histogram, example.image_histogram)
-    return silhouette_at(example.image, example.centre_px, ratio, model)
 
 
 def _model_histogram(examples: list[_Example], background: FloatArray) -> FloatArray:

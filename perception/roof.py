@@ -15,10 +15,14 @@ from perception.edge_profile import fit_edges
 
 REACH_PX = 6.0  # calipers look so far to either side of the expected edge
 CALIPERS = 24  # across each side
+STRAIGHT_PX = 2.0  # a straight edge departs from the pixels' outline by no more
 LEAST_SIDE_PX = 8.0  # a smaller patch has no sides to measure
 SIDE_SHARE = 0.8  # of each side's length that is measured; corners are rounded by blur
 EVEN = 0.12  # a pixel of the roof departs from the plane of brightness by less than this share
 ROUNDS = 3  # of sampling and line fitting
+FITS = 2  # of the edge model; the second from where the first ended
+WALL_EVIDENCE = 3.0  # a wall is believed if it lowers the cost of the fit by more than this
+ODD_TIMES, ODD_SHARE = 3.0, 0.15  # a caliper is odd beyond so many times the usual oddness, and share of the contrast
 CROSSING_REACH_PX = 4.0
 ON_LINE_PX = 0.6  # crossings so near to the line belong to it, whatever their spread
 _T_PX = np.arange(-REACH_PX, REACH_PX + 0.5)
@@ -92,16 +96,31 @@ def seed_quad(image: ImageArray, mask: ImageArray, outward: FloatArray) -> Float
 
 
 def _largest_rectangle(mask: ImageArray) -> FloatArray | None:
-    """Corners (4, 2) of the smallest rectangle round the largest connected part; first side long."""
+    """Corners (4, 2) of the rectangle along the longest straight edge of the largest part; first side long.
+
+    Edges on the window's border do not count: there the image ends, not the roof.
+    """
     opened = cv2.morphologyEx(mask, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
     contours, _ = cv2.findContours(opened, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     if not contours:
         return None
-    corners = cv2.boxPoints(cv2.minAreaRect(max(contours, key=cv2.contourArea))).astype(np.float64)
-    sides = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
-    if min(sides[:2]) < LEAST_SIDE_PX:
+    contour = max(contours, key=cv2.contourArea)
+    ends = cv2.approxPolyDP(contour, STRAIGHT_PX, closed=True)[:, 0].astype(np.float64)  # (E, 2)
+    edges = np.roll(ends, -1, axis=0) - ends
+    last = np.array(mask.shape[::-1]) - 1
+    at_border = np.concatenate([ends <= 1, ends >= last - 1], axis=1)  # (E, 4)
+    along_border = (at_border & np.roll(at_border, -1, axis=0)).any(axis=1)
+    lengths = np.where(along_border, 0.0, np.linalg.norm(edges, axis=1))
+    longest = int(np.argmax(lengths))
+    if lengths[longest] < LEAST_SIDE_PX:
         return None
-    return corners if sides[0] >= sides[1] else np.roll(corners, -1, axis=0)
+    along = edges[longest] / lengths[longest]
+    axes = np.array([along, (-along[1], along[0])])
+    low, high = (limit(contour[:, 0] @ axes.T, axis=0) for limit in (np.min, np.max))
+    if min(high - low) < LEAST_SIDE_PX:
+        return None
+    corners: FloatArray = np.array([low, (high[0], low[1]), high, (low[0], high[1])]) @ axes
+    return corners if high[0] - low[0] >= high[1] - low[1] else np.roll(corners, -1, axis=0)
 
 
 def measure_roof(image: ImageArray, quad_px: FloatArray) -> Roof:
@@ -113,17 +132,24 @@ def measure_roof(image: ImageArray, quad_px: FloatArray) -> Roof:
         profiles, inside = _profiles(pixels, lines)
         offsets, slopes, kept = _robust_line(lines.along_px, _crossings(profiles, inside, kept & inside))
         lines = lines.moved(np.clip(offsets, -2.0, 2.0), np.clip(slopes, -0.1, 0.1))
-    profiles, inside = _profiles(pixels, lines)
-    kept &= inside
-    usable = kept.sum(axis=1) >= CALIPERS // 3  # (4,)
-    fits = fit_edges(_mean(profiles, kept), _T_PX)
-    walled = np.zeros(4, np.int64)
-    for pair in ([0, 2], [1, 3]):  # a camera sees at most one of two opposite walls
-        gains = fits.costs[0, pair] - fits.costs[1, pair]
-        walled[pair[int(np.argmax(gains))]] = gains.max() > 0
-    pick = walled, np.arange(4)
-    moved = lines.moved(np.where(usable, fits.edges_px[pick], 0.0), np.zeros(4))
-    return Roof(moved.corners_px, usable, fits.walls_px[pick])
+    usable, walls = np.ones(4, np.bool_), np.zeros(4)
+    for _ in range(FITS):
+        profiles, inside = _profiles(pixels, lines)
+        alike = _alike(profiles, kept & inside)
+        usable = alike.sum(axis=1) >= CALIPERS // 3
+        edges, walls = _roof_ends(_mean(profiles, alike))
+        lines = lines.moved(np.where(usable, edges, 0.0), np.zeros(4))
+    return Roof(lines.corners_px, usable, walls)
+
+
+def _roof_ends(profiles: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Where the roof ends (4,) and how wide the wall beyond it is (4,), from one mean profile for each side.
+
+    A strip of shadow on the side away from the camera looks like a narrow wall, so any side may have one.
+    """
+    fits = fit_edges(profiles, _T_PX)
+    pick = (fits.costs[0] - fits.costs[1] > WALL_EVIDENCE).astype(np.int64), np.arange(4)
+    return fits.edges_px[pick], fits.walls_px[pick]
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,6 +221,20 @@ def _crossings(profiles: FloatArray, inside: BoolArray, counted: BoolArray) -> F
     share = ((profiles[:, :, near] - beyond) * axis).sum(axis=-1) / span  # (4, C, T) 1 on the roof, 0 beyond
     falling = np.minimum.accumulate(np.clip(share, 0.0, 1.0), axis=-1)
     return np.where(inside, falling.sum(axis=-1) - CROSSING_REACH_PX - 0.5, np.nan)
+
+
+def _alike(profiles: FloatArray, counted: BoolArray) -> BoolArray:
+    """(4, C) which calipers show the roof and its edge as most of their side do: not those that something covers."""
+    near = profiles[:, :, (_T_PX >= -CROSSING_REACH_PX) & (_T_PX <= 0)]  # (4, C, T, 3)
+    usual = _mean(near, counted)
+    contrast = np.linalg.norm(usual[:, 0] - usual[:, -1], axis=1)  # (4,)
+    for _ in range(2):
+        oddness = np.linalg.norm(near - usual[:, None], axis=-1).max(axis=-1)  # (4, C)
+        ranked = np.sort(np.where(counted, oddness, np.inf), axis=1)
+        typical = ranked[np.arange(4), counted.sum(axis=1) // 2]
+        kept = counted & (oddness <= np.maximum(ODD_TIMES * typical, ODD_SHARE * contrast)[:, None])
+        usual = _mean(near, kept)
+    return np.asarray(kept)
 
 
 def _mean(profiles: FloatArray, counted: BoolArray) -> FloatArray:

@@ -77,6 +77,7 @@ def run(
     frames: Annotated[bool, typer.Option("--frames", help="Record the frames themselves.")] = False,
     video: Annotated[Path | None, typer.Option(help="Real footage instead of a scenario.")] = None,
     camera: Annotated[Path | None, typer.Option(help="Camera file of the real footage.")] = None,
+    fps: Annotated[float | None, typer.Option(help="Frames per second of a folder of images.")] = None,
     json: Annotated[bool, typer.Option("--json", help="Print the scores as JSON and nothing else.")] = False,
 ) -> None:
     """Run scenarios through the chain and score them, or send real footage through the same chain."""
@@ -100,7 +101,9 @@ def run(
     outcomes = []
     if video and camera:
         outcomes.append(
-            run_footage(video, camera, stages, out or Path("runs") / video.stem, keep_frames=frames, quiet=json)
+            run_footage(
+                video, camera, stages, out or Path("runs") / video.stem, fps=fps, keep_frames=frames, quiet=json
+            )
         )
     for scenario in [load_scenario(name) for name in scenarios or ()]:
         several = out is not None and len(scenarios or ()) > 1

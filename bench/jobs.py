@@ -91,13 +91,23 @@ def run_scenario(
 
 
 def run_footage(
-    video: Path, camera_file: Path, stages: Stages, directory: Path, *, keep_frames: bool = False, quiet: bool = False
+    video: Path,
+    camera_file: Path,
+    stages: Stages,
+    directory: Path,
+    *,
+    fps: float | None = None,
+    keep_frames: bool = False,
+    quiet: bool = False,
 ) -> Outcome:
-    """Send real footage through the same chain. There is no truth, so every score is there and none is valid."""
+    """Send real footage through the same chain. There is no truth, so every score is there and none is valid.
+
+    fps: frames per second where the footage does not say, as with a folder of images.
+    """
     if stages.oracles:
         raise InputError("real footage has no truth: run it without --oracle")
     calibrated = read_camera(camera_file)
-    footage = Footage(video, calibrated.camera)
+    footage = Footage(video, calibrated.camera, fps=fps)
     manifest = Manifest(
         scenario=video.name,
         title=f"Footage {video.name}",

@@ -4,12 +4,15 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contracts import FloatArray
 
 Rgb = tuple[float, float, float]
+_Real = TypeVar("_Real", np.float32, np.float64)
 
 
 class LightPreset(StrEnum):
@@ -60,8 +63,15 @@ class ShadowBand:
 
     def shade(self, ground_m: FloatArray) -> FloatArray:
         """Share (...) of the beams taken away at ground points (..., 2)."""
-        normal = np.array([math.cos(self.across_rad), math.sin(self.across_rad)])
-        inside = self.half_width_m - np.abs(ground_m @ normal - self.centre_m)  # (...)
+        return self.profile(self.coordinate(ground_m))
+
+    def coordinate(self, ground_m: FloatArray) -> FloatArray:
+        """``n . p`` of ground points (..., 2), metres."""
+        return np.asarray(ground_m @ (math.cos(self.across_rad), math.sin(self.across_rad)))
+
+    def profile(self, coordinate_m: NDArray[_Real]) -> NDArray[_Real]:
+        """Share of the beams taken away at a coordinate (...)."""
+        inside = self.half_width_m - np.abs(coordinate_m - self.centre_m)
         return np.asarray(self.strength * np.clip(inside / self.edge_m + 0.5, 0.0, 1.0))
 
 
@@ -71,34 +81,23 @@ class Light:
 
     beams: cast shadows. sky: from straight above without shadow. ambient: from everywhere, shadow or not.
     band: takes part of the beams away on a part of the ground, or nothing.
+    factor: on all of it; lights that differ in nothing else look alike but for the exposure.
     """
 
     beams: tuple[Beam, ...]
     sky: Rgb
     ambient: Rgb
     band: ShadowBand | None = None
+    factor: float = 1.0
 
     def without_beams(self) -> "Light":
         """What is left in full shadow."""
         return replace(self, beams=(), band=None)
 
-    def scaled(self, factor: float) -> "Light":
-        """The same light, ``factor`` times as strong."""
-        return replace(
-            self,
-            beams=tuple(replace(beam, rgb=_scaled(beam.rgb, factor)) for beam in self.beams),
-            sky=_scaled(self.sky, factor),
-            ambient=_scaled(self.ambient, factor),
-        )
-
 
 def light_at(preset: LightPreset, time_ns: int) -> Light:
     """The light of ``preset`` at ``time_ns``."""
     return _PRESETS[preset](time_ns * 1e-9)
-
-
-def _scaled(rgb: Rgb, factor: float) -> Rgb:
-    return (rgb[0] * factor, rgb[1] * factor, rgb[2] * factor)
 
 
 def _sunny(_time_s: float) -> Light:
@@ -128,7 +127,8 @@ def _moving_shadow(time_s: float) -> Light:
 
 def _flicker(time_s: float) -> Light:
     """Lamps on 49.3 Hz mains: filmed at 25 fps the 98.6 Hz ripple shows as a slow beat."""
-    return _lamps(time_s).scaled(0.86 + 0.14 * math.cos(2.0 * math.pi * 98.6 * time_s))
+    factor = 0.86 + 0.14 * math.cos(2.0 * math.pi * 98.6 * time_s)
+    return replace(_lamps(time_s), factor=factor)
 
 
 _PRESETS: dict[LightPreset, Callable[[float], Light]] = {

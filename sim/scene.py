@@ -6,6 +6,10 @@ import numpy as np
 
 from contracts import FloatArray, SwitchState
 
+FLOOR_Z_M = -0.0005  # just below the marks, which lie exactly on z = 0
+SPOT_RADIUS_M = 0.005
+SPOT_HEIGHT_M = 0.006  # the lid of a switch machine
+
 
 @dataclass(frozen=True, eq=False)
 class Spot:

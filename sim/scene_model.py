@@ -6,12 +6,8 @@ import numpy as np
 from contracts import FloatArray
 from sim.floor import MARK_RADIUS_M, PERIOD_M, floor_texture
 from sim.meshes import Mesh, boxes, discs, merged, ribbon
-from sim.scene import Scene
+from sim.scene import FLOOR_Z_M, SPOT_HEIGHT_M, SPOT_RADIUS_M, Scene
 from sim.streams import stream
-
-FLOOR_Z_M = -0.0005  # just below the marks, which lie exactly on z = 0
-SPOT_RADIUS_M = 0.005
-SPOT_HEIGHT_M = 0.006  # the lid of a switch machine
 
 _GAUGE_M = 0.032
 _RAIL_M = (0.0028, 0.0035, 0.0085)  # width, bottom, top

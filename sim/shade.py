@@ -9,12 +9,15 @@ from sim.lights import Beam
 _HORIZON_M = 60.0  # farther ground is not looked at
 
 
-def world_points(camera: Camera, depth_m: NDArray[np.float32]) -> FloatArray:
-    """What each pixel of a pinhole shows, (H, W, 3) world, from its depth (H, W) along the axis."""
+def world_points(camera: Camera, depth_m: NDArray[np.float32], *, top_px: int = 0, left_px: int = 0) -> FloatArray:
+    """What each pixel of a pinhole shows, (H, W, 3) world, from its depth (H, W) along the axis.
+
+    top_px, left_px: where in the image these pixels are.
+    """
     height, width = depth_m.shape
     numbers = camera.intrinsics
-    x = (np.arange(width) - numbers.cx_px) / numbers.fx_px
-    y = (np.arange(height) - numbers.cy_px) / numbers.fy_px
+    x = (np.arange(left_px, left_px + width) - numbers.cx_px) / numbers.fx_px
+    y = (np.arange(top_px, top_px + height) - numbers.cy_px) / numbers.fy_px
     in_camera = np.stack([depth_m * x, depth_m * y[:, None], depth_m], axis=-1)  # (H, W, 3)
     return np.asarray(in_camera @ camera.pose.world_from_camera.T + camera.pose.position_m)
 

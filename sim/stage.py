@@ -3,8 +3,6 @@
 Every renderer draws through this, so frustum, half pixel, lights and identities are right in one place.
 """
 
-from collections.abc import Sequence
-
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +20,7 @@ _STATIC_SEGID = 255  # MuJoCo paints segid + 1 = 256 = (0, 1, 0): red, the byte 
 _BEAM_START_M = 12.0  # directional lights have a place too: their shadow map is drawn from there
 _SPOT_SHOWN, _SPOT_HIDDEN = (0.95, 0.95, 0.95, 1.0), (0.16, 0.16, 0.17, 1.0)
 
+_DARK = np.zeros(3)
 _Flag = mujoco.mjtRndFlag
 
 
@@ -70,9 +69,11 @@ class Stage:
         """Light the scene; shadows are right within ``radius_m`` of ``centre_m`` (3,)."""
         drawn = self._drawn
         drawn.nlight = 1 + len(light.beams)
-        _set_light(drawn.lights[0], np.array([0.0, 0.0, -1.0]), centre_m, diffuse=light.sky, ambient=light.ambient)
+        factor = light.factor
+        sky, ambient = factor * np.array(light.sky), factor * np.array(light.ambient)
+        _set_light(drawn.lights[0], np.array([0.0, 0.0, -1.0]), centre_m, diffuse=sky, ambient=ambient)
         for slot, beam in enumerate(light.beams, start=1):
-            _set_light(drawn.lights[slot], beam.direction, centre_m, diffuse=beam.rgb, casts=True)
+            _set_light(drawn.lights[slot], beam.direction, centre_m, diffuse=factor * np.array(beam.rgb), casts=True)
         self._context.shadowClip = radius_m
 
     def picture(self) -> ImageArray:
@@ -158,8 +159,8 @@ def _set_light(
     direction: FloatArray,
     centre_m: FloatArray,
     *,
-    diffuse: Sequence[float],
-    ambient: Sequence[float] = (0.0, 0.0, 0.0),
+    diffuse: FloatArray,
+    ambient: FloatArray = _DARK,
     casts: bool = False,
 ) -> None:
     """Parallel light. A casting light must not be ambient: MuJoCo takes that away in the shadow too."""

@@ -71,6 +71,7 @@ def run(
     model: Annotated[Path | None, typer.Option(help="Colour models from gantry learn.")] = None,
     locator: Annotated[str, typer.Option(help="ray, or plane0 for the naive projection to z = 0.")] = "ray",
     oracle: Annotated[list[str] | None, typer.Option(help="Give a stage the truth: detect, calibrate, locate.")] = None,
+    renderer: Annotated[str, typer.Option(help="layered, or full: slow, its oracle.")] = "layered",
     seed: Annotated[int | None, typer.Option(help="Instead of the scenario's own.")] = None,
     noise_seed: Annotated[int | None, typer.Option(help="Of the sensors alone; nothing else changes.")] = None,
     out: Annotated[Path | None, typer.Option(help="Run directory; runs/NAME if not given.")] = None,
@@ -95,6 +96,7 @@ def run(
         model=model or SHIPPED_MODEL,
         locator=locator,
         oracles=tuple(oracle or ()),
+        renderer=renderer,
     )
     if bool(scenarios) == bool(video) or bool(video) != bool(camera):
         raise InputError("run takes either scenarios, or --video FILE together with --camera CAM.yaml")

@@ -65,7 +65,14 @@ def run_scenario(
     seed: instead of the scenario's own. noise_seed: of the sensors alone; nothing else changes with it.
     """
     workers = os.cpu_count() or 1
-    world = build_world(scenario, seed=seed, noise_seed=noise_seed, film=stages.needs_film, workers=workers)
+    world = build_world(
+        scenario,
+        seed=seed,
+        noise_seed=noise_seed,
+        film=stages.needs_film,
+        workers=workers,
+        renderer=stages.renderer,
+    )
     perceive = make_perception(
         stages, [camera.name for camera in world.cameras]
     )  # first: a wrong plug-in costs no film
@@ -77,7 +84,7 @@ def run_scenario(
         world=scenario.world,
         seed=scenario.seed if seed is None else seed,
         fps=scenario.fps,
-        stages=stages.names(),
+        stages={**stages.names(), **({"renderer": stages.renderer} if stages.needs_film else {})},
         oracles=stages.oracles,
         versions=_versions(),
         survey=world.survey,

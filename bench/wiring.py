@@ -18,6 +18,7 @@ from perception.colour_models import ColourModels
 from perception.hbp import HistogramBackProjection
 from perception.identity import ColourIdentity
 from perception.perceiver import DetectThenTrack
+from sim.renderer import RendererName
 
 SHIPPED_MODEL = Path(perception.__file__).parent / "models" / "rail.json"
 LOCATORS = {"ray": RayPlaneLocator, "plane0": GroundPlaneLocator}
@@ -31,6 +32,7 @@ class Stages:
     model: file of colour models for the bench's own detector.
     locator: ``ray`` meets the plane at the anchor's height; ``plane0`` is the naive projection to z = 0.
     oracles: stages that are given the truth.
+    renderer: how a simulated world draws its frames: ``layered``, or ``full``, its slow oracle.
     """
 
     detector: str | None = None
@@ -39,6 +41,7 @@ class Stages:
     model: Path = SHIPPED_MODEL
     locator: str = "ray"
     oracles: tuple[str, ...] = ()
+    renderer: str = RendererName.LAYERED
 
     def __post_init__(self) -> None:
         for oracle in self.oracles:
@@ -46,6 +49,8 @@ class Stages:
                 raise InputError(f"--oracle {oracle}: no such oracle, choose from {', '.join(oracles.ORACLES)}")
         if self.locator not in LOCATORS:
             raise InputError(f"--locator {self.locator}: no such locator, choose from {', '.join(LOCATORS)}")
+        if self.renderer not in list(RendererName):
+            raise InputError(f"--renderer {self.renderer}: no such renderer, choose from {', '.join(RendererName)}")
 
     @property
     def needs_film(self) -> bool:

@@ -6,6 +6,7 @@ from scenarios.rig_file import load_rig
 from scenarios.schema import Scenario
 from sim.rail_motion import RailMotion
 from sim.rail_world import RailWorld
+from sim.renderer import RendererName
 
 
 def build_world(
@@ -15,12 +16,14 @@ def build_world(
     noise_seed: int | None = None,
     film: bool = True,
     workers: int = 1,
+    renderer: str = RendererName.LAYERED,
 ) -> World:
     """The world of ``scenario``, ready to run.
 
     seed: instead of the scenario's own. noise_seed: of the sensors alone; nothing else changes with it.
     film: False gives the truth without frames, and needs no graphics.
     workers: processes that share the cameras; the frames are the same for any number.
+    renderer: ``layered``, or ``full``, its slow oracle.
     """
     seed = scenario.seed if seed is None else seed
     plant = plant_of(scenario.plant)
@@ -34,4 +37,5 @@ def build_world(
         noise_seed=noise_seed,
         film=film,
         workers=workers,
+        renderer=renderer,
     )

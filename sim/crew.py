@@ -3,7 +3,7 @@
 import multiprocessing
 import os
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
@@ -14,12 +14,19 @@ from contracts import Camera, Frame, GantryError
 from contracts.truth import CameraTruth, Truth
 from sim.film import CameraFilm
 from sim.full_renderer import FullRenderer
+from sim.layered_renderer import LayeredRenderer
 from sim.lens import Lens, pinhole_camera
 from sim.lights import LightPreset
+from sim.renderer import Renderer, RendererName
 from sim.scene import Scene
 from sim.sensor import SensorSpec
 
 Take = tuple[Frame, CameraTruth]
+
+RENDERERS: dict[RendererName, Callable[[Scene, Sequence[Camera], LightPreset], Renderer]] = {
+    RendererName.LAYERED: LayeredRenderer,
+    RendererName.FULL: FullRenderer,
+}
 
 _AHEAD = 3  # states under way to each worker: enough to keep it busy, few enough to keep memory small
 
@@ -34,6 +41,7 @@ class FilmSpec:
     sensor: SensorSpec
     noise_seed: int
     keep_instances: bool
+    renderer: RendererName
 
 
 def film(spec: FilmSpec, states: Iterable[Truth], *, workers: int) -> Iterator[tuple[Take, ...]]:
@@ -59,7 +67,7 @@ def film(spec: FilmSpec, states: Iterable[Truth], *, workers: int) -> Iterator[t
 def _film_here(spec: FilmSpec, states: Iterable[Truth]) -> Iterator[tuple[Take, ...]]:
     lenses = [Lens.of(camera.intrinsics) for camera in spec.cameras]
     pinholes = [pinhole_camera(camera, lens) for camera, lens in zip(spec.cameras, lenses, strict=True)]
-    renderer = FullRenderer(spec.scene, pinholes, spec.light)
+    renderer = RENDERERS[spec.renderer](spec.scene, pinholes, spec.light)
     films = [
         CameraFilm(camera, lens, renderer, spec.sensor, noise_seed=spec.noise_seed, keep_instances=spec.keep_instances)
         for camera, lens in zip(spec.cameras, lenses, strict=True)

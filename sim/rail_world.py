@@ -11,6 +11,7 @@ from sim.board import BOARD, board_views
 from sim.lens import Lens
 from sim.lights import LightPreset
 from sim.plant_scene import scene_of_plant
+from sim.renderer import RendererName
 from sim.rig import RigSpec, nominal_cameras, true_cameras
 
 
@@ -30,6 +31,7 @@ class RailWorld:
     noise_seed: of the sensors' noise; ``seed`` if not given.
     film: False gives the truth without frames, and needs no graphics.
     workers: processes that share the cameras; the frames are the same for any number.
+    renderer: how frames are drawn.
     """
 
     def __init__(
@@ -45,9 +47,13 @@ class RailWorld:
         film: bool = True,
         workers: int = 1,
         keep_instances: bool = True,
+        renderer: RendererName | str = RendererName.LAYERED,
     ) -> None:
         if light not in list(LightPreset):
             raise InputError(f"light {light!r} is unknown; choose from {', '.join(LightPreset)}")
+        if renderer not in list(RendererName):
+            raise InputError(f"renderer {renderer!r} is unknown; choose from {', '.join(RendererName)}")
+        self._renderer = RendererName(renderer)
         self._motion, self._times_ns, self._rig = motion, tuple(times_ns), rig
         self._light = LightPreset(light)
         self._seed, self._noise_seed = seed, seed if noise_seed is None else noise_seed
@@ -77,7 +83,13 @@ class RailWorld:
         from sim.crew import FilmSpec, film  # loads OpenGL
 
         spec = FilmSpec(
-            self._scene, self._cameras, self._light, self._rig.sensor, self._noise_seed, self._keep_instances
+            self._scene,
+            self._cameras,
+            self._light,
+            self._rig.sensor,
+            noise_seed=self._noise_seed,
+            keep_instances=self._keep_instances,
+            renderer=self._renderer,
         )
         states = list(self._motion.run(self._times_ns))
         for state, takes in zip(states, film(spec, states, workers=self._workers), strict=True):

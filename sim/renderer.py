@@ -1,10 +1,18 @@
 """The one interface that every renderer has."""
 
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Protocol
 
 from contracts import ImageArray
 from contracts.truth import Truth
+
+
+class RendererName(StrEnum):
+    """The renderers that there are. ``layered`` is fast; ``full`` draws everything anew and is its oracle."""
+
+    LAYERED = "layered"
+    FULL = "full"
 
 
 @dataclass(frozen=True, eq=False)

@@ -140,6 +140,19 @@ def score(
 
 
 @app.command()
+def report(
+    directories: Annotated[list[Path], typer.Argument(help="Run directories.", metavar="RUN...")],
+    out: Annotated[Path | None, typer.Option(help="HTML file; report.html in the first run if not given.")] = None,
+) -> None:
+    """Write the HTML report of one run, or compare several."""
+    from bench.report import write_report
+
+    path = out or directories[0] / "report.html"
+    write_report(directories, path)
+    print(path)
+
+
+@app.command()
 def diff(
     first: RunDirectory,
     second: RunDirectory,

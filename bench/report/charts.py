@@ -1,5 +1,6 @@
 """The charts as Plotly figures: plain dictionaries, drawn by the vendored bundle. Errors are shown in millimetres."""
 
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -49,12 +50,12 @@ def error_over_time(run: ReportedRun) -> Figure:
                     "x": time_s,
                     "y": errors_mm[k],
                     "yaxis": f"y{k + 1}" if k else "y",
-                    "name": name,
+                    "name": escape(name),
                     "legendgroup": name,
                     "showlegend": k == 0,
                     "mode": "lines",
                     "line": {"color": paint[name], "width": 1.4},
-                    "hovertemplate": f"{name}<br>%{{x:.2f}} s: %{{y:.2f}} mm {direction}<extra></extra>",
+                    "hovertemplate": f"{escape(name)}<br>%{{x:.2f}} s: %{{y:.2f}} mm {direction}<extra></extra>",
                 }
             )
     return {
@@ -75,10 +76,10 @@ def error_cloud(run: ReportedRun) -> Figure:
         {
             "x": (1000 * hits.errors_m[rows, 0]).tolist(),
             "y": (1000 * hits.errors_m[rows, 1]).tolist(),
-            "name": name,
+            "name": escape(name),
             "mode": "markers",
             "marker": {"color": paint[name], "size": 5, "opacity": 0.45},
-            "hovertemplate": f"{name}<br>%{{x:.2f}} mm east, %{{y:.2f}} mm north<extra></extra>",
+            "hovertemplate": f"{escape(name)}<br>%{{x:.2f}} mm east, %{{y:.2f}} mm north<extra></extra>",
         }
         for name in dict.fromkeys(hits.objects)
         for rows in [rows_of(hits, name)]
@@ -122,13 +123,15 @@ def coverage(run: ReportedRun) -> Figure:
                 "mode": "markers+text",
                 "marker": {"color": INK, "size": 9},
                 "text": [f"{100 * at_90:.1f} %"],
-                "textposition": "bottom left" if at_90 > 0.2 else "top left",
+                "textposition": "bottom right" if at_90 > 0.2 else "top right",
+                "cliponaxis": False,
                 "hoverinfo": "skip",
             },
         ],
         "layout": layout(
             380,
             showlegend=False,
+            margin={"l": 56, "r": 48, "t": 12, "b": 44},
             xaxis=axis("stated, %", range=[0, 101]),
             yaxis=axis("inside, %", range=[0, 104]),
         ),

@@ -43,7 +43,9 @@ def people_read(score: Score | None) -> str:
     if score.unit == "m" and abs(score.value) < 1:
         return f"{1000 * score.value:.2f} mm"
     if score.unit == "1":
-        return f"{100 * score.value:.2f} %"
+        return f"{100 * score.value:.4g} %"
+    if score.unit == "px":
+        return f"{score.value:.2f} px"
     return f"{value_text(score)} {unit_text(score)}".rstrip()
 
 

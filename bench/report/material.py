@@ -30,6 +30,7 @@ class ReportedRun:
 
     failures: expectations that were not met; None where the scenario is not in the library (any more).
     fused: the fused positions against the truth.
+    cameras: what every camera placed on the ground, against the truth, by name.
     seen: the sightings of every camera by name.
     stages: the error of all sightings split by stage.
     plant: to draw the track; None where there is none or it is not known.
@@ -40,7 +41,8 @@ class ReportedRun:
     scores: dict[str, Score]
     failures: tuple[str, ...] | None
     fused: Population
-    seen: tuple[tuple[str, Sightings], ...]
+    cameras: dict[str, Population]
+    seen: dict[str, Sightings]
     stages: StageErrors
     plant: Plant | None
 
@@ -55,8 +57,8 @@ def read_run(directory: Path) -> ReportedRun:
     recording = load_recording(directory)
     gate = gate_m(recording.manifest.world)
     scores = score(recording)
-    cameras = [camera_population(recording, name, gate) for name in camera_names(recording)]
-    seen = tuple((camera.source, sightings(recording, camera)) for camera in cameras)
+    cameras = {name: camera_population(recording, name, gate) for name in camera_names(recording)}
+    seen = {name: sightings(recording, camera) for name, camera in cameras.items()}
     scenario = _scenario(recording)
     return ReportedRun(
         directory=directory,
@@ -64,8 +66,9 @@ def read_run(directory: Path) -> ReportedRun:
         scores=by_name(scores),
         failures=tuple(check(scenario.expect, scores, recording)) if scenario else None,
         fused=fused_population(recording, gate),
+        cameras=cameras,
         seen=seen,
-        stages=split(recording, seen),
+        stages=split(recording, list(seen.items())),
         plant=plant_of(scenario.plant) if scenario else None,
     )
 

@@ -73,14 +73,20 @@ def _verdict(run: ReportedRun) -> str:
 
 
 def _plan(run: ReportedRun, key: str, charts: dict[str, Figure]) -> str:
-    says = "Lines: the true paths. Points: the fused positions. Dotted: what each calibrated camera sees of the floor."
+    says = (
+        "Lines: the true paths. Points: the fused positions. Dotted: what each calibrated camera sees of the floor. "
+        "Drag to enlarge, double-click to return."
+    )
     return _section("The plan", says, _chart(charts, f"{key}-plan", plan(run)))
 
 
 def _errors(run: ReportedRun, key: str, charts: dict[str, Figure]) -> str:
     times = magnification(run.fused.hits.errors_m)
     naive = [people_read(run.scores.get(f"ground_z0.rms_{axis}_m")) for axis in "xy"]
-    z0 = f"Had every anchor been taken to lie on the floor (z = 0): RMS {naive[0]} east, {naive[1]} north."
+    z0 = (
+        "Root mean square. Single cameras count where at least 80 % of the vehicle is in sight. "
+        f"Had every anchor been taken to lie on the floor (z = 0): {naive[0]} east, {naive[1]} north."
+    )
     over_time = _chart(charts, f"{key}-time", error_over_time(run))
     over_place = _chart(charts, f"{key}-map", error_map(run))
     by_stage = _chart(charts, f"{key}-stages", stage_bars(run))

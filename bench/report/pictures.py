@@ -15,11 +15,13 @@ from bench.recording import RecordedStep
 from bench.recording_file import load_frames, recorded_cameras
 from bench.report.material import ReportedRun
 from bench.roofs import roof_quads_px
+from bench.scoring.population import MatchedFrame
 from contracts import FloatArray, ImageArray, Tracks
 
 MAX_PICTURES = 8
 JPEG_QUALITY = 88
 CROP_PX = (150, 100)  # least width and height of an enlarged part
+Window = tuple[float, float, float, float]  # x, y, width, height in pixels of the frame
 _SAMPLE = re.compile(r"(?P<camera>.+)_(?P<index>\d{6})\.(png|jpg)")
 
 
@@ -41,7 +43,7 @@ def sample_pictures(run: ReportedRun) -> list[Picture]:
     }
     cameras = {camera for _, camera in files}
     moments = _spread(sorted({index for index, _ in files}), MAX_PICTURES // max(1, len(cameras)))
-    chosen = [(camera, index, file) for (index, camera), file in files.items() if index in moments]
+    chosen = [(camera, index, file) for (index, camera), file in sorted(files.items()) if index in moments]
     return [Picture(camera, index, _read(file)) for camera, index, file in chosen] or list(_recorded(run))
 
 
@@ -51,7 +53,7 @@ def picture_html(run: ReportedRun, picture: Picture) -> str:
     tracks = next((one for one in step.tracks if one.objects.camera == picture.camera), None)
     name = f"frame-{re.sub(r'[^a-zA-Z0-9]', '-', f'{run.name}-{picture.camera}')}-{picture.index}"
     height, width = picture.image.shape[:2]
-    marks = [*_true_marks(run, step, picture.camera), *(_track_marks(tracks) if tracks else ())]
+    marks = [*(_track_marks(tracks) if tracks else ()), *_true_marks(run, step, picture.camera)]
     image = (
         f'<image id="{name}" x="-0.5" y="-0.5" width="{width}" height="{height}" href="{_data_url(picture.image)}"/>'
     )
@@ -113,45 +115,41 @@ def _track_marks(tracks: Tracks) -> Iterator[str]:
         yield _polygon("found", quad) + _dot("found", anchor)
 
 
-def _enlarged(
-    run: ReportedRun, step: RecordedStep, camera: str, tracks: Tracks | None
-) -> Iterator[tuple[tuple[float, float, float, float], str]]:
-    """Window and caption of every vehicle found; of every visible one that was not."""
-    boxes = tracks.objects.boxes_px if tracks else np.empty((0, 4))
-    labels = tracks.objects.labels if tracks else ()
-    ids = tracks.ids.tolist() if tracks else []
-    errors = _anchor_errors(run, step.index, camera)
-    for box, label, track in zip(boxes, labels, ids, strict=True):
-        yield _window(box), f"<b>{escape(label)}</b> {errors.get(track, 'matched to nothing that must be found')}"
-    yield from _missed(run, step, camera, set(errors))
+def _enlarged(run: ReportedRun, step: RecordedStep, camera: str, tracks: Tracks | None) -> Iterator[tuple[Window, str]]:
+    """Window and caption of every vehicle found, then of every one that was missed."""
+    said = _verdicts(run, step, camera)
+    if tracks:
+        for box, label, track in zip(tracks.objects.boxes_px, tracks.objects.labels, tracks.ids.tolist(), strict=True):
+            yield _window(box), f"<b>{escape(label)}</b> {said.get(track, '')}"
+    frame = _matched_frame(run, step, camera)
+    if frame is None:
+        return
+    for row in frame.matching.misses.tolist():
+        view = next(view for view in frame.truth.cameras if view.camera == camera)
+        yield _window(view.visible_boxes_px[row]), f"<b>{escape(frame.truth.ids[row])}</b> missed"
 
 
-def _anchor_errors(run: ReportedRun, index: int, camera: str) -> dict[int, str]:
-    """What is said of the anchors of the matched tracks, by track."""
-    seen = dict(run.seen).get(camera)
-    if seen is None:
+def _verdicts(run: ReportedRun, step: RecordedStep, camera: str) -> dict[int, str]:
+    """What is said of every track of a frame, by track: its errors, or why it has none."""
+    frame = _matched_frame(run, step, camera)
+    if frame is None:
         return {}
-    said = {}
-    for k in np.flatnonzero(seen.hits.index == index).tolist():
+    tracks = frame.ground.ids
+    said = {int(tracks[row]): "partly hidden: not scored" for row in frame.matching.ignored[:, 1]}
+    said |= {int(tracks[row]): "false alarm" for row in frame.matching.false_alarms}
+    seen = run.seen[camera]
+    for k in np.flatnonzero(seen.hits.index == step.index).tolist():
         (du, dv), (dx, dy) = seen.errors_px[k], 1000 * seen.hits.errors_m[k]
-        said[int(seen.hits.track_ids[k])] = f"anchor off {du:+.2f}, {dv:+.2f} px; position {dx:+.2f}, {dy:+.2f} mm"
+        said[int(seen.hits.track_ids[k])] = f"anchor {du:+.2f}, {dv:+.2f} px; position {dx:+.2f}, {dy:+.2f} mm"
     return said
 
 
-def _missed(
-    run: ReportedRun, step: RecordedStep, camera: str, found: set[int]
-) -> Iterator[tuple[tuple[float, float, float, float], str]]:
-    view = next((view for view in step.truth.cameras if view.camera == camera), None) if step.truth else None
-    seen = dict(run.seen).get(camera)
-    if view is None or step.truth is None or seen is None:
-        return
-    matched = {seen.hits.objects[k] for k in np.flatnonzero(seen.hits.index == step.index).tolist()}
-    for name, box, fraction in zip(step.truth.ids, view.visible_boxes_px, view.visible_fractions, strict=True):
-        if fraction >= 0.8 and name not in matched:
-            yield _window(box), f"<b>{escape(name)}</b> missed"
+def _matched_frame(run: ReportedRun, step: RecordedStep, camera: str) -> MatchedFrame | None:
+    frames = run.cameras[camera].frames if camera in run.cameras else ()
+    return next((frame for frame in frames if frame.truth.index == step.index), None)
 
 
-def _window(box_px: FloatArray) -> tuple[float, float, float, float]:
+def _window(box_px: FloatArray) -> Window:
     """x, y, width, height of the part of the image to enlarge, with a margin, in one shape for all."""
     centre = (box_px[:2] + box_px[2:]) / 2
     width = max(1.5 * (box_px[2] - box_px[0]), 1.5 * (box_px[3] - box_px[1]) * CROP_PX[0] / CROP_PX[1], CROP_PX[0])
@@ -159,7 +157,7 @@ def _window(box_px: FloatArray) -> tuple[float, float, float, float]:
     return float(centre[0] - width / 2), float(centre[1] - height / 2), float(width), float(height)
 
 
-def _svg(content: str, window: tuple[float, float, float, float], css: str) -> str:
+def _svg(content: str, window: Window, css: str) -> str:
     return f'<svg class="{css}" viewBox="{" ".join(f"{value:.2f}" for value in window)}">{content}</svg>'
 
 

@@ -1,6 +1,7 @@
 """The world from above: track, cameras, truth, estimates, and the error where it happened."""
 
 from collections.abc import Iterator
+from html import escape
 from itertools import pairwise
 from typing import Any
 
@@ -13,6 +14,7 @@ from contracts import Camera, FloatArray
 
 _TRACK_STEP_M = 0.02
 _HEAT = [[0.0, "#f6dfae"], [0.35, "#eb9a4b"], [0.7, "#c2402a"], [1.0, "#5d0f1e"]]
+_CHART_WIDTH_PX, _EDGE_M = 1000, 0.05
 _ARROW_M = 0.12  # length on the plan that an error at the 95 % quantile is drawn with
 _MAGNIFICATIONS = np.array([1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000])
 
@@ -22,7 +24,7 @@ Trace = dict[str, Any]
 def plan(run: ReportedRun) -> Figure:
     """Track, what each camera sees of the floor, the true paths and the fused positions."""
     traces = [*_background(run), *_truths(run), *_estimates(run), *_misses(run), *_false_alarms(run)]
-    return {"data": traces, "layout": _plan_layout(run, 560)}
+    return {"data": traces, "layout": _plan_layout(traces)}
 
 
 def error_map(run: ReportedRun) -> Figure:
@@ -43,10 +45,13 @@ def error_map(run: ReportedRun) -> Figure:
             "cmax": max(top_mm, 1e-6),
             "colorbar": {"title": {"text": "mm"}, "thickness": 10, "len": 0.8, "outlinewidth": 0},
         },
-        "text": [f"{name}<br>{mm:.2f} mm" for name, mm in zip(hits.objects, distances_mm.tolist(), strict=True)],
+        "text": [
+            f"{escape(name)}<br>{mm:.2f} mm" for name, mm in zip(hits.objects, distances_mm.tolist(), strict=True)
+        ],
         "hovertemplate": "%{text}<extra></extra>",
     }
-    return {"data": [*_background(run), *_arrows(run), points], "layout": _plan_layout(run, 480)}
+    background = list(_background(run))
+    return {"data": [*background, *_arrows(run), points], "layout": _plan_layout([*background, points])}
 
 
 def magnification(errors_m: FloatArray) -> int:
@@ -76,14 +81,14 @@ def _background(run: ReportedRun) -> Iterator[Trace]:
             "x": [x for x, _ in spots.values()],
             "y": [y for _, y in spots.values()],
             "mode": "text",
-            "text": list(spots),
+            "text": [escape(name) for name in spots],
             "textfont": {"color": MUTED, "size": 11},
             "showlegend": False,
             "hoverinfo": "skip",
         }
     for calibrated in run.recording.manifest.calibrated_cameras:
         outline_m = outline_on_floor(calibrated.camera)
-        name = f"camera {calibrated.camera.name}"
+        name = f"camera {escape(calibrated.camera.name)}"
         line = {"color": MUTED, "width": 1, "dash": "dot"}
         yield _line(outline_m, line, hovertemplate=f"{name}<extra></extra>")
 
@@ -92,7 +97,9 @@ def _truths(run: ReportedRun) -> Iterator[Trace]:
     truths = [step.truth for step in run.recording.steps if step.truth is not None]
     for name in dict.fromkeys(one for truth in truths for one in truth.ids):
         places = [truth.positions_m[truth.ids.index(name), :2] for truth in truths if name in truth.ids]
-        yield _line(np.array(places), {"color": INK, "width": 1.2}, hovertemplate=f"truth of {name}<extra></extra>")
+        yield _line(
+            np.array(places), {"color": INK, "width": 1.2}, hovertemplate=f"truth of {escape(name)}<extra></extra>"
+        )
 
 
 def _estimates(run: ReportedRun) -> Iterator[Trace]:
@@ -141,15 +148,25 @@ def _markers(name: str, places_m: FloatArray, marker: dict[str, Any]) -> Trace:
         "x": finite[:, 0].tolist(),
         "y": finite[:, 1].tolist(),
         "mode": "markers",
-        "name": name,
+        "name": escape(name),
         "marker": marker,
-        "hovertemplate": f"{name}<br>%{{x:.3f}} m east, %{{y:.3f}} m north<extra></extra>",
+        "hovertemplate": f"{escape(name)}<br>%{{x:.3f}} m east, %{{y:.3f}} m north<extra></extra>",
     }
 
 
-def _plan_layout(run: ReportedRun, height_px: int) -> dict[str, Any]:
+def _plan_layout(traces: list[Trace]) -> dict[str, Any]:
+    """Equal scales, in a chart as high as the traces are for their width."""
+    low, high = zip(*(_extent([value for trace in traces for value in trace[key]]) for key in "xy"), strict=True)
+    (width_m, height_m) = np.subtract(high, low) + 2 * _EDGE_M
+    height_px = int(np.clip(_CHART_WIDTH_PX * height_m / width_m, 240, 620)) + 90
+    ranges = [[a - _EDGE_M, b + _EDGE_M] for a, b in zip(low, high, strict=True)]
     return layout(
         height_px,
-        xaxis=axis("east, m", zeroline=False),
-        yaxis=axis("north, m", zeroline=False, scaleanchor="x", scaleratio=1),
+        xaxis=axis("east, m", zeroline=False, range=ranges[0], constrain="domain"),
+        yaxis=axis("north, m", zeroline=False, range=ranges[1], scaleanchor="x", scaleratio=1, constrain="domain"),
     )
+
+
+def _extent(values: list[float | None]) -> tuple[float, float]:
+    known = [value for value in values if value is not None]
+    return min(known, default=-1.0), max(known, default=1.0)

@@ -80,6 +80,7 @@ def test_the_same_seed_gives_an_equal_run_and_another_seed_is_found_different(tr
         (["run", "oval-one-vehicle", "--model", "missing.json"], ["missing.json"]),
         (["run", "oval-one-vehicle", "--detector", "no_such_module:Mine"], ["no_such_module"]),
         (["score", "no/such/run"], ["no/such/run"]),
+        (["report", "no/such/run"], ["no/such/run"]),
         (["diff", "no/such/run", "no/such/run"], ["no/such/run"]),
         (["plant", "no-such-plant", "--out", "x.svg"], ["no-such-plant"]),
         (["learn", "no/such/run", "--out", "x.json"], ["no/such/run"]),

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from contracts import FloatArray, Frame, InputError, IntArray
 
-_YELLOW_HSV = (np.array([18, 70, 50]), np.array([40, 255, 255]))  # OpenCV's half degrees; pure yellow is 30
+_FLOOR_LEVEL = 128.0  # grey level that the floor is brought to
+_YELLOW_HSV = (np.array([18, 110, 45]), np.array([38, 255, 255]))  # OpenCV's half degrees; pure yellow is 30
 _LEAST_AREA_PX = 6
 _LARGEST_SIDE_RATIO = 1.8
 _LEAST_FILL = 0.55  # area over bounding box: pi / 4 for a disc
@@ -24,13 +25,14 @@ _FLOOR = 0.15  # share of a mark's contrast that is still taken for floor and no
 def find_marks(frame: Frame) -> FloatArray:
     """(N, 2) pixels of the yellow marks that lie wholly in the image, in no particular order.
 
+    Colours are judged against the floor's, so that a warm lamp's light on a grey floor is not taken for paint.
     Other small yellow things are found too; ``georef.labelling`` tells them apart by place.
     """
-    hsv = cv2.cvtColor(frame.image, cv2.COLOR_BGR2HSV)
-    mask = cv2.inRange(hsv, *_YELLOW_HSV)
+    image = _balanced(frame.image)
+    mask = cv2.inRange(cv2.cvtColor(image, cv2.COLOR_BGR2HSV), *_YELLOW_HSV)
     _, _, boxes, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
     marks = _disc_like(np.asarray(boxes[1:], dtype=np.int64), mask.shape)  # row 0 is the background
-    return np.array([_centroid(frame.image, box) for box in marks]).reshape(-1, 2)
+    return np.array([_centroid(image, box) for box in marks]).reshape(-1, 2)
 
 
 def find_marks_in(frames: Sequence[Frame]) -> FloatArray:
@@ -50,6 +52,14 @@ def find_marks_in(frames: Sequence[Frame]) -> FloatArray:
                 groups.append([mark])
     lasting = [np.median(group, axis=0) for group in groups if 2 * len(group) >= len(frames)]
     return np.array(lasting).reshape(-1, 2)
+
+
+def _balanced(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """The image with its median colour, the floor's, made grey."""
+    floor = np.maximum(np.median(image[::4, ::4].reshape(-1, 3), axis=0), 1.0)
+    table = np.arange(256)[:, None] * (_FLOOR_LEVEL / floor)  # (256, 3)
+    table = np.clip(np.rint(table), 0, 255).astype(np.uint8)
+    return np.asarray(cv2.LUT(image, table[None]), dtype=np.uint8)
 
 
 def _disc_like(boxes: IntArray, shape: tuple[int, ...]) -> IntArray:

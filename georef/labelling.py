@@ -23,7 +23,7 @@ from georef.location import on_plane
 from georef.pose import fit_pose
 from georef.projection import project
 
-LEAST_MARKS = 6
+LEAST_MARKS = 5  # ten numbers for six unknowns
 _GATE_PX = 2.5  # between a mark and its control point once the pose is fitted
 _RIVAL_SHARE = 0.8  # another labelling with this share of the winner's marks makes the answer ambiguous
 _LEAST_SHARE = 0.5  # of the marks found that must be labelled

@@ -9,6 +9,8 @@ Far from the axis the polynomial may turn back ("fold"): beyond that radius two 
 nothing.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from contracts import BoolArray, FloatArray
@@ -66,7 +68,12 @@ def fold_radius(distortion: FloatArray) -> float:
     The smallest positive root of d/dr [r (1 + k1 r2 + k2 r4 + k3 r6)] = 1 + 3 k1 r2 + 5 k2 r4 + 7 k3 r6; solved for
     1 / r2, in which the polynomial is monic however small the coefficients are.
     """
-    k1, k2, _, _, k3 = distortion
+    k1, k2, _, _, k3 = (float(number) for number in distortion)
+    return _fold_radius(k1, k2, k3)
+
+
+@lru_cache(maxsize=256)
+def _fold_radius(k1: float, k2: float, k3: float) -> float:
     roots = np.roots(np.array([1.0, 3 * k1, 5 * k2, 7 * k3]))
     real = roots[np.abs(roots.imag) <= 1e-9 * np.abs(roots.real)].real
     largest = float(real.max(initial=0.0))

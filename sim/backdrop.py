@@ -9,6 +9,7 @@ from contracts.truth import Truth
 from sim.box_rays import SAMPLES_PX, Array32
 from sim.lights import Beam, Light
 from sim.projection import project
+from sim.renderer import Window
 from sim.scene import SPOT_HEIGHT_M, SPOT_RADIUS_M, Scene, Spot
 from sim.shade import ground_in_view
 from sim.stage import Stage
@@ -29,7 +30,7 @@ class Backdrop:
     unlit: ImageArray
     shares: tuple[ImageArray, ...]
 
-    def patched(self, other: "Backdrop", windows: list[tuple[slice, slice]]) -> "Backdrop":
+    def patched(self, other: "Backdrop", windows: list[Window]) -> "Backdrop":
         """A copy with ``other``'s pixels inside the windows."""
         copy = Backdrop(self.lit.copy(), self.unlit.copy(), tuple(share.copy() for share in self.shares))
         for window in windows:
@@ -106,7 +107,7 @@ def film_depth(stage: Stage, camera: Camera) -> Array32:
     return np.stack(depths)
 
 
-def spot_window(camera: Camera, spot: Spot) -> tuple[slice, slice] | None:
+def spot_window(camera: Camera, spot: Spot) -> Window | None:
     """The part of the image that a switch spot can change; None where it is out of the picture."""
     angle = np.arange(8) * (np.pi / 4)
     rim = np.column_stack([np.cos(angle), np.sin(angle)]) * SPOT_RADIUS_M * 1.1 + spot.position_m

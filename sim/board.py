@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from contracts import Camera, Checkerboard, FloatArray, Frame, ImageArray, Intrinsics, Pose
+from contracts import Camera, Checkerboard, FloatArray, Frame, ImageArray, IntArray, Intrinsics, Pose
 from sim.lens import Lens
 from sim.projection import project
 from sim.sensor import Sensor, SensorSpec
@@ -65,9 +66,12 @@ def board_poses(intrinsics: Intrinsics, board: Checkerboard, rng: np.random.Gene
 def draw_board(pinhole: Intrinsics, board: Checkerboard, pose: BoardPose) -> ImageArray:
     """The board through a pinhole, (H, W, 3), each pixel the mean over its area to first order."""
     to_image = pinhole.matrix @ np.column_stack([pose.camera_from_board[:, :2] * board.square_m, pose.origin_m])
+    picture = np.full((pinhole.height_px, pinhole.width_px, 3), round(_ROOM), np.uint8)
+    rows, columns = _paper_window(pinhole, board, to_image)
     to_board = np.linalg.inv(to_image)
-    u, v = np.meshgrid(np.arange(float(pinhole.width_px)), np.arange(float(pinhole.height_px)))
-    w = to_board[2, 0] * u + to_board[2, 1] * v + to_board[2, 2]
+    u = np.arange(columns.start, columns.stop)[None, :]
+    v = np.arange(rows.start, rows.stop)[:, None]
+    w = (to_board[2, 0] * u + (to_board[2, 1] * v + to_board[2, 2])).astype(np.float32)
     x, y = (_Axis.of(row, to_board[2], u, v, w) for row in to_board[:2])
     # squares: columns + 1 by rows + 1, from -1 to columns and to rows
     printed = x.between(-1.0, board.columns) * y.between(-1.0, board.rows)
@@ -75,31 +79,47 @@ def draw_board(pinhole: Intrinsics, board: Checkerboard, pose: BoardPose) -> Ima
     paper *= y.between(-1.0 - _PAPER_SQUARES, board.rows + _PAPER_SQUARES)
     black = printed * (1.0 + x.stripes(board.columns - 1) * y.stripes(board.rows - 1)) / 2.0
     level = _ROOM + paper * (_WHITE - _ROOM) + black * (_BLACK - _WHITE)
-    grey = np.rint(level).astype(np.uint8)
-    return np.repeat(grey[..., None], 3, axis=2)
+    picture[rows, columns] = np.rint(level).astype(np.uint8)[..., None]
+    return picture
+
+
+def _paper_window(pinhole: Intrinsics, board: Checkerboard, to_image: FloatArray) -> tuple[slice, slice]:
+    """Rows and columns of the image that hold all of the paper; the whole image if part of it is behind the camera."""
+    x = np.array([-1.0 - _PAPER_SQUARES, board.columns + _PAPER_SQUARES])
+    y = np.array([-1.0 - _PAPER_SQUARES, board.rows + _PAPER_SQUARES])
+    corners = to_image @ np.stack([*np.meshgrid(x, y), np.ones((2, 2))]).reshape(3, 4)
+    if corners[2].min() <= 0:
+        return slice(0, pinhole.height_px), slice(0, pinhole.width_px)
+    pixels = (corners[:2] / corners[2]).T
+    size = np.array([pinhole.width_px, pinhole.height_px])
+    low = np.clip(np.floor(pixels.min(axis=0)) - 1, 0, size).astype(int)
+    high = np.clip(np.ceil(pixels.max(axis=0)) + 2, 0, size).astype(int)
+    return slice(low[1], high[1]), slice(low[0], high[0])
 
 
 @dataclass(frozen=True, eq=False)
 class _Axis:
-    """One board coordinate over the image, in squares, and how much of it one pixel spans; both (H, W)."""
+    """One board coordinate over the image, in squares, and how many pixels one square spans; both (h, w)."""
 
-    at: FloatArray
-    per_px: FloatArray
+    at: NDArray[np.float32]
+    px: NDArray[np.float32]
 
     @classmethod
-    def of(cls, row: FloatArray, scale: FloatArray, u: FloatArray, v: FloatArray, w: FloatArray) -> "_Axis":
-        at = (row[0] * u + row[1] * v + row[2]) / w
-        return cls(at, np.hypot(row[0] - at * scale[0], row[1] - at * scale[1]) / np.abs(w))
+    def of(cls, row: FloatArray, scale: FloatArray, u: IntArray, v: IntArray, w: NDArray[np.float32]) -> "_Axis":
+        at = (row[0] * u + (row[1] * v + row[2])).astype(np.float32) / w
+        slope = [np.float32(row[k]) - at * np.float32(scale[k]) for k in range(2)]
+        return cls(at, np.abs(w) / np.sqrt(slope[0] * slope[0] + slope[1] * slope[1]))
 
-    def between(self, low: float, high: float) -> FloatArray:
+    def between(self, low: float, high: float) -> NDArray[np.float32]:
         """Share of each pixel for which the coordinate lies between two bounds."""
-        inside = np.minimum(self.at - low, high - self.at)
-        return np.asarray(np.clip(inside / self.per_px + 0.5, 0.0, 1.0))
+        inside = np.minimum(self.at - np.float32(low), np.float32(high) - self.at)
+        share: NDArray[np.float32] = np.clip(inside * self.px + np.float32(0.5), 0.0, 1.0)
+        return share
 
-    def stripes(self, last: int) -> FloatArray:
+    def stripes(self, last: int) -> NDArray[np.float32]:
         """+1 and -1 in turn from square to square, a ramp of one pixel between; the last inner edge is ``last``."""
         nearest = np.clip(np.rint(self.at), 0, last)
-        ramp = np.clip(2.0 * (self.at - nearest) / self.per_px, -1.0, 1.0)
+        ramp = np.clip(np.float32(2.0) * (self.at - nearest) * self.px, -1.0, 1.0)
         return np.asarray(np.where(nearest % 2 == 0, ramp, -ramp))
 
 

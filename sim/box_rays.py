@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 from contracts import Camera, FloatArray
 from contracts.truth import Truth
 from sim.lights import Beam
+from sim.renderer import Window
 
 Array32 = NDArray[np.float32]
 _NOT_ZERO = np.float32(1e-9)
 _SKIN_M = np.float32(1e-3)  # a beam must run this far inside a box to be stopped: points on its surface are lit
 
-Window = tuple[slice, slice]
 
 # Where pixels are looked at, (u, v) from the centre: the centre itself, which decides identities, and the four places
 # of 4x multisampling (Direct3D's standard pattern, which OpenGL implementations share), which decide colours.

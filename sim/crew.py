@@ -10,8 +10,8 @@ from multiprocessing.process import BaseProcess
 
 import cv2
 
-from contracts import Camera, Frame, GantryError
-from contracts.truth import CameraTruth, Truth
+from contracts import Camera, GantryError
+from contracts.truth import Truth
 from sim.film import CameraFilm
 from sim.full_renderer import FullRenderer
 from sim.layered_renderer import LayeredRenderer
@@ -20,8 +20,7 @@ from sim.lights import LightPreset
 from sim.renderer import Renderer, RendererName
 from sim.scene import Scene
 from sim.sensor import SensorSpec
-
-Take = tuple[Frame, CameraTruth]
+from sim.shared_pictures import SharedPictures, Take
 
 RENDERERS: dict[RendererName, Callable[[Scene, Sequence[Camera], LightPreset], Renderer]] = {
     RendererName.LAYERED: LayeredRenderer,
@@ -100,19 +99,22 @@ class _Worker:
     def __init__(self, share: FilmSpec) -> None:
         context = multiprocessing.get_context("spawn")  # a forked OpenGL context would be shared, and break
         self.inbox, theirs = context.Pipe()
-        self._process: BaseProcess = context.Process(target=_work, args=(share, theirs), daemon=True)
+        self._pictures = SharedPictures(context, share.cameras, _AHEAD, keep_instances=share.keep_instances)
+        self._taken = 0
+        self._process: BaseProcess = context.Process(target=_work, args=(share, theirs, self._pictures), daemon=True)
         self._process.start()
         theirs.close()
 
-    def takes(self) -> tuple[Take, ...]:
+    def takes(self) -> list[Take]:
         """What the worker's cameras made of the oldest state under way."""
         try:
-            answer: tuple[Take, ...] | GantryError = self.inbox.recv()
+            answer: list[Take] | GantryError = self.inbox.recv()
         except EOFError as error:
             raise GantryError(f"a film process ended with exit status {self._process.exitcode}") from error
         if isinstance(answer, GantryError):
             raise answer
-        return answer
+        self._taken += 1
+        return self._pictures.get(self._taken - 1, answer)
 
     def dismiss(self) -> None:
         """End the process, busy or not."""
@@ -121,7 +123,7 @@ class _Worker:
         self._process.join()
 
 
-def _work(share: FilmSpec, outbox: Connection) -> None:
+def _work(share: FilmSpec, outbox: Connection, pictures: SharedPictures) -> None:
     """Film states from ``outbox`` until it closes."""
     os.environ["LP_NUM_THREADS"] = "0"  # one thread for Mesa and one for OpenCV: the processes share the cores
     cv2.setNumThreads(1)
@@ -134,8 +136,8 @@ def _work(share: FilmSpec, outbox: Connection) -> None:
                 return
 
     try:
-        for takes in _film_here(share, states()):
-            outbox.send(takes)
+        for moment, takes in enumerate(_film_here(share, states())):
+            outbox.send(pictures.put(moment, takes))
     except GantryError as error:
         outbox.send(error)
     except BrokenPipeError:  # nobody listens any more

@@ -1,18 +1,20 @@
 """One camera's film: a clean picture through shutter, lens and sensor, and the truth of what it shows."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
+import cv2
 import numpy as np
 
 from contracts import Camera, Frame, ImageArray
 from contracts.truth import CameraTruth, Truth
 from sim.camera_truth import camera_truth
 from sim.lens import Lens
-from sim.renderer import Rendered, Renderer
+from sim.renderer import Rendered, Renderer, Window
 from sim.sensor import Sensor, SensorSpec
 
-_SMEAR_PER_PICTURE_PX = 0.5  # a vehicle that moves less than this while the shutter is open looks sharp
+_SMEAR_PER_PICTURE_PX = 1.0  # a vehicle that moves less than this while the shutter is open looks sharp
 
 
 class CameraFilm:
@@ -34,25 +36,50 @@ class CameraFilm:
         self._camera, self._lens, self._renderer = camera, lens, renderer
         self._exposure_s = sensor.exposure_ms * 1e-3
         self._keep_instances = keep_instances
+        self._still: ImageArray | None = None
+        self._still_developed: ImageArray = np.empty((0, 0, 3), np.uint8)
         size = camera.intrinsics
         self._sensor = Sensor(sensor, camera.name, size.width_px, size.height_px, noise_seed)
 
     def shoot(self, state: Truth) -> tuple[Frame, CameraTruth]:
         """The frame whose mid-exposure is ``state``, and its truth."""
         rendered = self._exposed(state)
-        image = self._sensor.expose(self._lens.bend(rendered.image), state.index)
-        instances = self._lens.bend_mask(rendered.instances)
+        image = self._sensor.grain(self._developed(rendered), state.index)
         frame = Frame(self._camera.name, state.index, state.time_ns, image)
+        instances = self._bent_instances(rendered)
         return frame, camera_truth(self._camera, state, instances, keep_instances=self._keep_instances)
 
     def _exposed(self, state: Truth) -> Rendered:
         """The mean of pictures spread evenly over the exposure; identities at its middle."""
         middle = self._renderer.render(state, self._camera.name)
-        offsets_s = self._sub_frames_s(state)
-        if len(offsets_s) == 1:
-            return middle
-        others = [self._renderer.render(advanced(state, t), self._camera.name).image for t in offsets_s if t != 0.0]
-        return Rendered(_mean([middle.image, *others]), middle.instances)
+        moments = [advanced(state, t) for t in self._sub_frames_s(state) if t != 0.0]
+        return mean_picture(middle, [self._renderer.render(moment, self._camera.name) for moment in moments])
+
+    def _developed(self, rendered: Rendered) -> ImageArray:
+        """The picture through lens and defocus; what stands still has been through them before."""
+        if rendered.still is None:
+            return self._sensor.focus(self._lens.bend(rendered.image))
+        if rendered.still is not self._still:
+            self._still, self._still_developed = rendered.still, self._sensor.focus(self._lens.bend(rendered.still))
+        image = self._still_developed.copy()
+        for window in rendered.windows:
+            inner = _grown(self._lens.bent_window(window), self._sensor.reach_px, image.shape)
+            outer = _grown(inner, self._sensor.reach_px, image.shape)
+            if image[inner].size:
+                part = self._sensor.focus(self._lens.bend(rendered.image, outer))
+                image[inner] = part[_inside(inner, outer)]
+        return image
+
+    def _bent_instances(self, rendered: Rendered) -> ImageArray:
+        if rendered.still is None:
+            return self._lens.bend_mask(rendered.instances)
+        size = self._camera.intrinsics
+        instances = np.zeros((size.height_px, size.width_px), np.uint8)
+        for window in rendered.windows:
+            bent = self._lens.bent_window(window)
+            if instances[bent].size:
+                instances[bent] = self._lens.bend_mask(rendered.instances, bent)
+        return instances
 
     def _sub_frames_s(self, state: Truth) -> list[float]:
         """Moments relative to mid-exposure at which pictures are taken: an odd number, 0.0 among them."""
@@ -70,8 +97,37 @@ def advanced(state: Truth, by_s: float) -> Truth:
     return replace(state, time_ns=state.time_ns + round(by_s * 1e9), positions_m=moved)
 
 
-def _mean(images: list[ImageArray]) -> ImageArray:
-    total = np.zeros(images[0].shape, np.uint16)
+def mean_picture(middle: Rendered, others: Sequence[Rendered]) -> Rendered:
+    """The mean image of all, with the identities of ``middle``."""
+    if not others:
+        return middle
+    everyone = [middle, *others]
+    if middle.still is None or any(other.still is not middle.still for other in others):
+        return Rendered(_mean([rendered.image for rendered in everyone]), middle.instances)
+    windows = tuple(window for rendered in everyone for window in rendered.windows)
+    image = middle.still.copy()
+    for window in windows:
+        image[window] = _mean([rendered.image[window] for rendered in everyone])
+    return Rendered(image, middle.instances, middle.still, windows)
+
+
+def _mean(images: Sequence[ImageArray]) -> ImageArray:
+    total = np.zeros(images[0].shape, np.float32)
     for image in images:
-        total += image
-    return ((total + len(images) // 2) // len(images)).astype(np.uint8)
+        cv2.accumulate(image, total)
+    return np.asarray(cv2.convertScaleAbs(total, alpha=1.0 / len(images)), np.uint8)
+
+
+def _grown(window: Window, by_px: int, shape: tuple[int, ...]) -> Window:
+    """The window with ``by_px`` more on each side, within an image of ``shape``."""
+    rows, columns = window
+    return (
+        slice(max(0, rows.start - by_px), min(shape[0], rows.stop + by_px)),
+        slice(max(0, columns.start - by_px), min(shape[1], columns.stop + by_px)),
+    )
+
+
+def _inside(inner: Window, outer: Window) -> Window:
+    """Where ``inner`` lies in a picture of ``outer`` alone."""
+    (rows, columns), (top, left) = inner, (outer[0].start, outer[1].start)
+    return slice(rows.start - top, rows.stop - top), slice(columns.start - left, columns.stop - left)

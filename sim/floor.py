@@ -4,6 +4,7 @@ from functools import lru_cache
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from contracts import FloatArray, ImageArray
 from sim.streams import stream
@@ -13,6 +14,8 @@ MARK_RADIUS_M = 0.011  # a control point is a yellow disc of 22 mm
 PERIOD_M = 5 * TILE_M  # the picture of the floor repeats after so many tiles: sharp at any size of floor
 _TEXELS = 2048
 _GROUT_M = 0.004
+_TILE_RGB = (176.0, 171.0, 162.0)
+_GROUT_RGB = (112.0, 108.0, 103.0)
 
 
 @lru_cache(maxsize=2)
@@ -24,15 +27,26 @@ def floor_texture(seed: int) -> ImageArray:
     rng = stream(seed, "floor")
     n, tiles = _TEXELS, round(PERIOD_M / TILE_M)
     tile_of = np.arange(n) * tiles // n
-    tone = rng.normal(0.0, 5.0, (tiles, tiles, 1)) + rng.normal(0.0, 1.5, (tiles, tiles, 3))
-    picture = (np.array([176.0, 171.0, 162.0]) + tone).astype(np.float32)[tile_of][:, tile_of]  # (n, n, 3)
-    for cells, strength in ((32, 4.0), (128, 3.0), (1024, 3.0)):
-        picture += _mottle(rng, n, cells, strength)[..., None]
-    inside = np.abs((np.arange(n) + 0.5) * PERIOD_M / n % TILE_M - TILE_M / 2)
-    to_edge = TILE_M / 2 - np.maximum(inside[:, None], inside[None, :])  # metres to the nearest tile edge
-    grout = np.clip((_GROUT_M / 2 - to_edge) / 0.001 + 0.5, 0.0, 1.0)[..., None]
-    picture += (np.array([112.0, 108.0, 103.0], np.float32) - picture) * grout.astype(np.float32)
-    return np.clip(picture, 0, 255).astype(np.uint8)
+    tones = rng.normal(0.0, 5.0, (tiles, tiles, 1)) + rng.normal(0.0, 1.5, (tiles, tiles, 3)) + _TILE_RGB
+    mottle = sum(_mottle(rng, n, cells, strength) for cells, strength in ((32, 4.0), (128, 3.0), (1024, 3.0)))
+    grout = _grout(n)
+    planes = []
+    for tone, grey in zip(np.moveaxis(tones.astype(np.float32), 2, 0), _GROUT_RGB, strict=True):
+        plane = tone[tile_of][:, tile_of] + mottle  # (n, n)
+        plane += (np.float32(grey) - plane) * grout
+        planes.append(np.clip(plane, 0, 255).astype(np.uint8))
+    return np.stack(planes, axis=-1)
+
+
+def _grout(n: int) -> NDArray[np.float32]:
+    """Share of grout in each texel, (n, n)."""
+    from_middle = np.abs((np.arange(n) + 0.5) * PERIOD_M / n % TILE_M - TILE_M / 2)
+    to_edge = (TILE_M / 2 - from_middle).astype(np.float32)  # (n,) metres to the nearest tile edge
+    nearest = np.minimum(to_edge[:, None], to_edge[None, :])
+    share: NDArray[np.float32] = np.clip(
+        (np.float32(_GROUT_M / 2) - nearest) / np.float32(0.001) + np.float32(0.5), 0.0, 1.0
+    )
+    return share
 
 
 def control_points(floor_m: FloatArray, keep_clear_m: FloatArray, *, clearance_m: float) -> FloatArray:
@@ -57,11 +71,11 @@ def floor_around(low_m: FloatArray, high_m: FloatArray) -> FloatArray:
     return np.concatenate([low, high])
 
 
-def _mottle(rng: np.random.Generator, n: int, cells: int, strength: float) -> FloatArray:
+def _mottle(rng: np.random.Generator, n: int, cells: int, strength: float) -> NDArray[np.float32]:
     """Soft random spots, ``cells`` along each side, of standard deviation ``strength``, continued over the edges."""
     border = 4  # cells, more than a cubic reaches
-    coarse = np.pad(rng.normal(size=(cells, cells)).astype(np.float32), border, mode="wrap")
+    coarse = np.pad(rng.standard_normal((cells, cells), dtype=np.float32), border, mode="wrap")
     whole = round(n * (cells + 2 * border) / cells)
     margin = (whole - n) // 2
     smooth = cv2.resize(coarse, (whole, whole), interpolation=cv2.INTER_CUBIC)[margin : margin + n, margin : margin + n]
-    return np.asarray(smooth * (strength / smooth.std()))
+    return np.asarray(smooth * np.float32(strength / smooth.std()), np.float32)

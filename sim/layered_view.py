@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 from contracts import Camera, FloatArray, ImageArray
 from contracts.truth import Truth
 from sim.backdrop import Backdrop, Backdrops, film_depth
-from sim.box_rays import SAMPLES_PX, Array32, Box, Window, boxes_of, rays_through, seen, shaded, window_of
+from sim.box_rays import SAMPLES_PX, Array32, Box, boxes_of, rays_through, seen, shaded, window_of
 from sim.lights import Light, ShadowBand
 from sim.paint import FACES, mean_of_samples, paint_table
-from sim.renderer import Rendered
+from sim.renderer import Rendered, Window
 from sim.scene import FLOOR_Z_M, Scene
 from sim.shade import along_beam, world_points
 from sim.stage import Stage
@@ -56,7 +56,8 @@ class LayeredView:
         for window, depth in zip(reversed(touched), reversed(before), strict=True):
             everywhere = (slice(None), *window)
             self._owner[everywhere], self._shade[everywhere], self._depth[everywhere] = 0, 0, depth
-        return Rendered(image, instances)
+        changes = light.factor != 1.0 or light.band is not None
+        return Rendered(image, instances, None if changes else backdrop.lit, tuple(touched))
 
     def _place(self, row: int, box: Box) -> None:
         """Let a vehicle own the samples at which it is nearest."""

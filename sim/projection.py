@@ -1,5 +1,7 @@
 """World points into pixels, by OpenCV: the simulator's own projection, which shares no code with ``georef``."""
 
+from functools import lru_cache
+
 import cv2
 import numpy as np
 
@@ -41,6 +43,7 @@ def undistorted(intrinsics: Intrinsics, pixels: FloatArray) -> FloatArray:
     return np.asarray(straight, np.float64).reshape(-1, 2)
 
 
+@lru_cache(maxsize=64)  # the same few cameras, every frame
 def trusted_radius(intrinsics: Intrinsics) -> float:
     """Largest distance from the axis, in normalised coordinates, at which the lens model may be used."""
     width, height = intrinsics.width_px, intrinsics.height_px

@@ -7,6 +7,8 @@ from typing import Protocol
 from contracts import ImageArray
 from contracts.truth import Truth
 
+Window = tuple[slice, slice]  # rows and columns of an image, bounded
+
 
 class RendererName(StrEnum):
     """The renderers that there are. ``layered`` is fast; ``full`` draws everything anew and is its oracle."""
@@ -21,10 +23,14 @@ class Rendered:
 
     image: (H, W, 3) uint8 BGR.
     instances: (H, W) uint8, 0 for background and k + 1 for row k of the truth; never antialiased.
+    still: a picture without vehicles that the renderer keeps, unchanged, from frame to frame; None if it keeps none.
+    windows: the only parts in which ``image`` differs from ``still`` and ``instances`` from 0.
     """
 
     image: ImageArray
     instances: ImageArray
+    still: ImageArray | None = None
+    windows: tuple[Window, ...] = ()
 
 
 class Renderer(Protocol):

@@ -1,5 +1,6 @@
 """The sensor: defocus, exposure and noise, which change the image and nothing else."""
 
+import math
 from dataclasses import dataclass
 
 import cv2
@@ -45,18 +46,32 @@ class Sensor:
         self._brighter = np.clip(noise, 0, 255).astype(np.uint8)  # two unsigned halves: saturating sums are fastest
         self._darker = np.clip(-noise, 0, 255).astype(np.uint8)
 
+    @property
+    def reach_px(self) -> int:
+        """How far defocus carries the light of a pixel."""
+        return math.ceil(3.0 * self._spec.defocus_px) + 1 if self._spec.defocus_px else 0
+
     def expose(self, image: ImageArray, index: int) -> ImageArray:
         """The image (H, W, 3) as the sensor delivers frame ``index``; the input stays as it is."""
+        return self.grain(self.focus(image), index)
+
+    def focus(self, image: ImageArray) -> ImageArray:
+        """The image, or a part of it, out of focus and exposed; the same for every frame."""
         spec = self._spec
         if spec.defocus_px:
             blurred = cv2.GaussianBlur(image, (0, 0), spec.defocus_px, borderType=cv2.BORDER_REPLICATE)
             image = np.asarray(blurred, np.uint8)
         if spec.gain != 1.0:
             image = np.asarray(cv2.convertScaleAbs(image, alpha=spec.gain), np.uint8)
-        return self._with_noise(image, index) if spec.noise else image
+        return image
 
-    def _with_noise(self, image: ImageArray, index: int) -> ImageArray:
-        """Add the pool of noise, shifted at random: fresh normal noise would cost more than the whole frame."""
+    def grain(self, image: ImageArray, index: int) -> ImageArray:
+        """The image with the noise of frame ``index``.
+
+        It is a pool of noise, shifted at random: fresh normal noise would cost more than the rest of the frame.
+        """
+        if not self._spec.noise:
+            return image
         top, left = stream(self._seed, f"{self._concern}/{index}").integers(0, _POOL_SPARE_PX, 2)
         window = np.s_[top : top + image.shape[0], left : left + image.shape[1]]
         noisy = cv2.subtract(cv2.add(image, self._brighter[window]), self._darker[window])

@@ -3,6 +3,8 @@
 Every renderer draws through this, so frustum, half pixel, lights and identities are right in one place.
 """
 
+import sys
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +44,9 @@ class Stage:
         self._viewport = mujoco.MjrRect(0, 0, 1, 1)
 
     def close(self) -> None:
-        """Free the context and its memory."""
+        """Free the context and its memory; nothing to do when the interpreter ends, with the driver gone already."""
+        if sys.is_finalizing():
+            return
         self._gl.make_current()
         self._context.free()
         self._gl.free()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from film_cases import state
 
-from contracts import InputError
+from contracts import InputError, Intrinsics
 from scenarios.plant_file import load_plant
 from sim.film import CameraFilm, advanced
 from sim.lens import Lens
@@ -24,6 +24,7 @@ RIG = RigSpec(
         CameraSpec("east", (320, 240), 400.0, (0.35, 0.0, 1.4), distortion=LENS),
     )
 )
+NO_LENS = Lens.of(Intrinsics(320, 240, 400.0, 400.0, 160.0, 120.0, np.zeros(5)))
 TIMES_NS = (0, 40_000_000, 80_000_000)
 
 
@@ -116,24 +117,30 @@ class Painter:
 def test_motion_blur_averages_moments_around_mid_exposure_and_keeps_the_middle_for_the_truth():
     view = world().cameras[0]
     painter = Painter()
-    lens = Lens(view.intrinsics)
+    lens = NO_LENS
     sensor = SensorSpec(noise=0.0, defocus_px=0.0, exposure_ms=40.0)
     here = state(("red", 0.1, 0.0, 0.0), time_ns=10**9, speed_mps=0.25)
     frame, truth = CameraFilm(view, lens, painter, sensor, noise_seed=0).shoot(here)
     offsets = np.array(sorted(painter.times_ns)) - 10**9
     assert len(offsets) % 2 == 1
-    assert len(offsets) > 4
+    assert len(offsets) >= 3
     assert offsets.sum() == 0
     assert offsets.max() < 20_000_000
     assert truth.time_ns == frame.time_ns == 10**9
     assert set(np.flatnonzero(truth.instances.any(axis=0))) == {260}
-    assert np.count_nonzero(frame.image[0, :, 0]) >= 5
+    assert np.count_nonzero(frame.image[0, :, 0]) >= 3
 
 
 def test_what_stands_still_is_drawn_once_however_long_the_exposure():
     painter = Painter()
     view = world().cameras[0]
-    film = CameraFilm(view, Lens(view.intrinsics), painter, SensorSpec(exposure_ms=100.0), noise_seed=0)
+    film = CameraFilm(
+        view,
+        NO_LENS,
+        painter,
+        SensorSpec(exposure_ms=100.0),
+        noise_seed=0,
+    )
     film.shoot(state(("red", 0.1, 0.0, 0.0)))
     assert len(painter.times_ns) == 1
 
@@ -146,3 +153,41 @@ def test_a_state_moves_on_along_its_velocity():
 
 def test_every_light_has_its_name():
     assert {str(light) for light in LightPreset} == {"sunny", "cloudy", "lamps", "dusk", "moving_shadow", "flicker"}
+
+
+class Keeper:
+    """A renderer that keeps a still and lays noisy patches on it; ``tells`` whether it says so."""
+
+    def __init__(self, *, tells: bool) -> None:
+        self.still = np.random.default_rng(1).integers(0, 256, (320, 420, 3), dtype=np.uint8)
+        self.tells = tells
+
+    def render(self, drawn, camera):
+        rng = np.random.default_rng(drawn.time_ns)
+        image, instances = self.still.copy(), np.zeros(self.still.shape[:2], np.uint8)
+        windows = []
+        for row in range(6):
+            top, left = rng.integers(0, 300), rng.integers(0, 400)
+            window = slice(top, min(320, top + 30)), slice(left, min(420, left + 50))
+            image[window] = rng.integers(0, 256, image[window].shape, dtype=np.uint8)
+            instances[window] = row + 1
+            windows.append(window)
+        return Rendered(image, instances, self.still if self.tells else None, tuple(windows) if self.tells else ())
+
+    def close(self):
+        pass
+
+
+@pytest.mark.parametrize("speed_mps", [0.0, 0.8])
+def test_developing_only_what_changed_gives_the_very_same_frames(speed_mps):
+    view = world().cameras[0]
+    lens = Lens.of(view.intrinsics)
+    assert lens.pinhole.width_px <= 420
+    assert lens.pinhole.height_px <= 320
+    sensor = SensorSpec(defocus_px=0.8, exposure_ms=20.0)
+    films = [CameraFilm(view, lens, Keeper(tells=tells), sensor, noise_seed=0) for tells in (True, False)]
+    for k in range(5):
+        here = state(("red", 0.1, 0.0, 0.0), time_ns=(k + 1) * 10**9, index=k, speed_mps=speed_mps)
+        (fast, fast_truth), (slow, slow_truth) = (film.shoot(here) for film in films)
+        assert (fast.image == slow.image).all()
+        assert np.array_equal(fast_truth.instances, slow_truth.instances)

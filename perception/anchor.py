@@ -11,9 +11,7 @@ from perception.silhouette import Silhouette
 
 FARTHEST_PX = 6.0  # the measured middle is not farther than this from the rough one
 ODD_SIZE = 0.12  # a size that departs from the usual one by more than this share is not the whole roof's
-ODD_RATIO = (
-    0.05  # nor are both, if their ratio departs by more than this; a lens changes it by up to 4 % near the border
-)
+ODD_RATIO = 0.05  # nor are both, if their ratio departs by more than this; a lens changes it by 4 % near the border
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,6 +59,7 @@ def roof_in(image: ImageArray, silhouette: Silhouette, outward: FloatArray) -> R
 
 def complete_roof(roof: Roof, model: ColourModel, outward: FloatArray) -> Anchor:
     """The anchor from the measured sides, with the learned size where an end of the roof was hidden."""
+    roof = _long_side_first(roof, model)
     axes = roof.axes  # (2, 2) long, short
     size = np.array(roof.size_px)
     usual = np.array(model.roof_size_px)
@@ -77,6 +76,19 @@ def complete_roof(roof: Roof, model: ColourModel, outward: FloatArray) -> Anchor
     quad = point + (np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * half) @ axes
     visible = float(np.clip(np.prod(size / expected), 0.0, 1.0))
     return Anchor(point, axes.T @ np.diag(moments) @ axes, quad, visible, (completed[0].regime, completed[1].regime))
+
+
+def _long_side_first(roof: Roof, model: ColourModel) -> Roof:
+    """The same roof with its axes named by what was measured: half a roof, cut by the border, is nearly a square.
+
+    An axis of which both ends were seen is the one whose learned size it is nearer to.
+    """
+    whole = roof.ends_measured.all(axis=1)
+    if whole.all() or not whole.any():
+        return roof
+    size = roof.size_px[int(np.argmax(whole))]
+    nearest = int(np.argmin(np.abs(np.log(size / np.array(model.roof_size_px)))))
+    return roof if whole[nearest] else roof.turned()
 
 
 def _whole(roof: Roof, relative_size: FloatArray) -> BoolArray:

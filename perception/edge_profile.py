@@ -25,7 +25,7 @@ from contracts import FloatArray
 BLUR_PX = 0.8  # standard deviation of lens, antialiasing and sampling together
 SHADE = 0.5  # a wall faces the horizon and gets about half of the roof's light ...
 SHADE_SIGMA = 0.2  # ... more or less
-ROOF_T_PX = -2.5  # inside of this the profile shows the roof alone
+ROOF_T_PX = -3.5  # inside of this the profile shows the roof alone
 REACH_SIGMA_PX = 4.0  # what lies farther out than this matters little
 LEVEL_SIGMA = 2.0  # grey levels by which a profile may depart from its model ...
 LEVEL_SIGMA_SHARE = 0.03  # ... and share of the contrast
@@ -33,6 +33,7 @@ WALL_STARTS_PX = (0.0, 1.0, 4.0)  # the fit may find another minimum from each
 _ITERATIONS = 8
 _LARGEST_STEP = np.array([1.0, 1.0, 0.2, 200.0, 200.0, 200.0])
 _DAMPING = 1e-3
+_SETTLED_PX = 0.005
 _LEAST_SHADE = 0.05
 
 
@@ -75,12 +76,17 @@ def _fit(profiles: FloatArray, t_px: FloatArray, wall_start_px: FloatArray) -> t
     free = np.ones_like(parameters)
     free[wall_start_px == 0, 1:3] = 0
     low, high = (np.array(limits) for limits in zip(*_limits(t_px), strict=True))
+    moving = np.ones(len(parameters), np.bool_)  # (S,) each profile stops by itself, whatever the others do
     for _ in range(_ITERATIONS):
         residuals, jacobian = _residuals(profiles, t_px, roof, weights, parameters)
         jacobian *= free[:, None, :]
         transposed = jacobian.transpose(0, 2, 1)
         step = np.linalg.solve(transposed @ jacobian + _DAMPING * np.eye(6), transposed @ residuals[..., None])
-        parameters = np.clip(parameters - np.clip(step[..., 0], -_LARGEST_STEP, _LARGEST_STEP), low, high)
+        step = np.clip(step[..., 0], -_LARGEST_STEP, _LARGEST_STEP) * moving[:, None]
+        parameters = np.clip(parameters - step, low, high)
+        moving &= np.abs(step[:, :2]).max(axis=1) >= _SETTLED_PX
+        if not moving.any():
+            break
     residuals, _ = _residuals(profiles, t_px, roof, weights, parameters)
     return parameters, np.asarray((residuals**2).sum(axis=1) / 2)
 

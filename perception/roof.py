@@ -20,11 +20,12 @@ LEAST_SIDE_PX = 8.0  # a smaller patch has no sides to measure
 SIDE_SHARE = 0.8  # of each side's length that is measured; corners are rounded by blur
 EVEN = 0.12  # a pixel of the roof departs from the plane of brightness by less than this share
 ROUNDS = 3  # of sampling and line fitting
-FITS = 2  # of the edge model; the second from where the first ended
+FITS = 2  # of the edge model; the second from where the first ended, if that moved by more than ...
+SETTLED_PX = 0.3
 WALL_EVIDENCE = 3.0  # a wall is believed if it lowers the cost of the fit by more than this
 ODD_TIMES, ODD_SHARE = 3.0, 0.15  # a caliper is odd beyond so many times the usual oddness, and share of the contrast
 CROSSING_REACH_PX = 4.0
-ON_LINE_PX = 0.6  # crossings so near to the line belong to it, whatever their spread
+ON_LINE_PX = 0.8  # crossings so near to the line belong to it
 _T_PX = np.arange(-REACH_PX, REACH_PX + 0.5)
 
 
@@ -50,6 +51,10 @@ class Roof:
     def shifted(self, by_px: FloatArray | IntArray) -> "Roof":
         """The same roof, seen from an origin that lies ``by_px`` (2,) before this one."""
         return Roof(self.quad_px + by_px, self.sides_measured, self.walls_px)
+
+    def turned(self) -> "Roof":
+        """The same roof with its sides counted from the next one on, so that the axes change their names."""
+        return Roof(*(np.roll(each, -1, axis=0) for each in (self.quad_px, self.sides_measured, self.walls_px)))
 
     @property
     def axes(self) -> FloatArray:
@@ -138,7 +143,10 @@ def measure_roof(image: ImageArray, quad_px: FloatArray) -> Roof:
         alike = _alike(profiles, kept & inside)
         usable = alike.sum(axis=1) >= CALIPERS // 3
         edges, walls = _roof_ends(_mean(profiles, alike))
-        lines = lines.moved(np.where(usable, edges, 0.0), np.zeros(4))
+        edges = np.where(usable, edges, 0.0)
+        lines = lines.moved(edges, np.zeros(4))
+        if np.abs(edges).max() < SETTLED_PX:
+            break
     return Roof(lines.corners_px, usable, walls)
 
 
@@ -230,8 +238,7 @@ def _alike(profiles: FloatArray, counted: BoolArray) -> BoolArray:
     contrast = np.linalg.norm(usual[:, 0] - usual[:, -1], axis=1)  # (4,)
     for _ in range(2):
         oddness = np.linalg.norm(near - usual[:, None], axis=-1).max(axis=-1)  # (4, C)
-        ranked = np.sort(np.where(counted, oddness, np.inf), axis=1)
-        typical = ranked[np.arange(4), counted.sum(axis=1) // 2]
+        typical = _median(oddness, counted)
         kept = counted & (oddness <= np.maximum(ODD_TIMES * typical, ODD_SHARE * contrast)[:, None])
         usual = _mean(near, kept)
     return np.asarray(kept)
@@ -247,21 +254,28 @@ def _mean(profiles: FloatArray, counted: BoolArray) -> FloatArray:
 def _robust_line(along_px: FloatArray, offsets_px: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
     """Offset (4,) at the middle and slope (4,) of each side's crossings (4, C), and which of them lie on that line.
 
-    Least squares, repeated without those that lie off.
+    Repeated medians (Siegel 1982) bear it when something covers almost half of a side; least squares over the
+    crossings near that line then make it precise.
     """
     valid = np.isfinite(offsets_px)
     y = np.where(valid, offsets_px, 0.0)
-    kept = valid
-    offset = slope = np.zeros(4)
-    for _ in range(3):
-        weight = kept.astype(np.float64)
-        total = np.maximum(weight.sum(axis=1), 1.0)
-        mean_x, mean_y = (weight * along_px).sum(axis=1) / total, (weight * y).sum(axis=1) / total
-        x = along_px - mean_x[:, None]
-        slope = (weight * x * y).sum(axis=1) / np.maximum((weight * x**2).sum(axis=1), 1.0)
-        offset = mean_y - slope * mean_x
-        residuals = np.abs(y - offset[:, None] - slope[:, None] * along_px)
-        ranked = np.sort(np.where(valid, residuals, np.inf), axis=1)
-        scale = ranked[np.arange(4), valid.sum(axis=1) // 2]  # the median of the valid ones
-        kept = valid & (residuals <= np.maximum(3 * scale, ON_LINE_PX)[:, None])
-    return offset, slope, kept
+    run = along_px[:, None, :] - along_px[:, :, None]  # (4, C, C)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slopes = (y[:, None, :] - y[:, :, None]) / run
+    paired = valid[:, None, :] & valid[:, :, None] & (run != 0)
+    slope = _median(_median(slopes, paired), valid)
+    offset = _median(y - slope[:, None] * along_px, valid)
+    kept = valid & (np.abs(y - offset[:, None] - slope[:, None] * along_px) <= ON_LINE_PX)
+    weight = kept.astype(np.float64)
+    total = np.maximum(weight.sum(axis=1), 1.0)
+    mean_x, mean_y = (weight * along_px).sum(axis=1) / total, (weight * y).sum(axis=1) / total
+    x = along_px - mean_x[:, None]
+    slope = (weight * x * y).sum(axis=1) / np.maximum((weight * x**2).sum(axis=1), 1.0)
+    return mean_y - slope * mean_x, slope, kept
+
+
+def _median(values: FloatArray, counted: BoolArray) -> FloatArray:
+    """Median over the last axis of the values that count; 0 where none does."""
+    ranked = np.sort(np.where(counted, values, np.inf), axis=-1)
+    middle = np.minimum(counted.sum(axis=-1, keepdims=True) // 2, values.shape[-1] - 1)
+    return np.where(counted.any(axis=-1), np.take_along_axis(ranked, middle, axis=-1)[..., 0], 0.0)

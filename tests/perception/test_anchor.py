@@ -55,6 +55,21 @@ def test_the_measured_axis_tells_the_scale_for_the_other():
     assert anchor.point_px[0] == pytest.approx(10 + 70 * 1.02 / 2)
 
 
+def test_half_a_roof_is_not_taken_for_one_that_lies_across():
+    half = roof((10, 44), (5, 40), 1)  # 34 px of its 70 are in the image: its long side is the shorter one there
+    for named in (half, half.turned()):
+        anchor = complete_roof(named, MODEL, OUTWARD)
+        assert anchor.point_px.tolist() == pytest.approx([45, 22.5])
+        assert std_px(anchor.cov_px2) == pytest.approx([0.5, np.sqrt(0.02)])
+
+
+@pytest.mark.parametrize("scale", [0.92, 1.08])
+def test_a_camera_that_hangs_lower_or_higher_sees_a_whole_roof(scale):
+    anchor = complete_roof(roof((10, 10 + 70 * scale), (5, 5 + 35 * scale)), MODEL, OUTWARD)
+    assert anchor.regimes == (BOTH, BOTH)
+    assert anchor.visible == pytest.approx(1)
+
+
 def test_a_roof_too_long_ends_in_a_wall_on_the_inner_side():
     anchor = complete_roof(roof((10, 95), (5, 40)), MODEL, OUTWARD)
     assert anchor.regimes == (SINGLE, BOTH)

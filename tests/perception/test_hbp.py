@@ -134,6 +134,20 @@ def test_a_covered_end_shows_in_score_and_covariance(models, rng, cover_px):
     assert error @ np.linalg.inv(found.anchor_covs_px2[0]) @ error < 4
 
 
+def test_a_thing_before_a_part_of_one_side_does_not_pull_the_anchor(models, rng):
+    box = Box("blue", (300.0, 170.0), heading_rad=0.2)
+    image = draw(floor(rng), [box])
+    image[140:158, 290:310] = (60, 60, 60)
+    found = detect(models, image)
+    assert np.abs(found.anchors_px[0] - box.centre_px).max() < 0.33
+
+
+def test_a_strip_of_shadow_beside_the_roof_is_not_the_roof(models, rng):
+    box = Box("blue", (300.0, 170.0), heading_rad=0.2, shadow_px=(1.5, -1.5))
+    found = detect(models, draw(floor(rng), [box]))
+    assert np.abs(found.anchors_px[0] - box.centre_px).max() < 0.33
+
+
 def test_detection_repeats_and_leaves_the_frame_alone(models, rng):
     image = draw(floor(rng), random_boxes(rng, LABELS))
     frame, copy = frame_of(image), image.copy()

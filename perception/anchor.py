@@ -83,7 +83,7 @@ def _long_side_first(roof: Roof, model: ColourModel) -> Roof:
 
     An axis of which both ends were seen is the one whose learned size it is nearer to.
     """
-    whole = roof.ends_measured.all(axis=1)
+    whole: BoolArray = np.asarray(roof.ends_measured.all(axis=1))
     if whole.all() or not whole.any():
         return roof
     size = roof.size_px[int(np.argmax(whole))]

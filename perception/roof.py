@@ -54,7 +54,8 @@ class Roof:
 
     def turned(self) -> "Roof":
         """The same roof with its sides counted from the next one on, so that the axes change their names."""
-        return Roof(*(np.roll(each, -1, axis=0) for each in (self.quad_px, self.sides_measured, self.walls_px)))
+        sides = np.roll(np.arange(4), -1)
+        return Roof(self.quad_px[sides], self.sides_measured[sides], self.walls_px[sides])
 
     @property
     def axes(self) -> FloatArray:

@@ -1,7 +1,7 @@
 """What a camera sees of the truth: boxes, visible shares and centres, through its lens as it is."""
 
+import cv2
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from contracts import Camera, FloatArray, ImageArray
 from contracts.truth import CameraTruth, Truth
@@ -51,13 +51,17 @@ def outline_points(state: Truth) -> FloatArray:
 
 def silhouette_pixels(outline_px: FloatArray) -> int:
     """Number of pixel centres inside the convex hull of the projected outline (P, 2), on an image without bounds."""
-    hull = ConvexHull(outline_px)
-    low, high = np.ceil(outline_px.min(axis=0)).astype(int), np.floor(outline_px.max(axis=0)).astype(int)
-    u, v = np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1)
-    # a, b, c of a u + b v + c <= 0 inside, one row per side of the hull
-    a, b, c = hull.equations.T
-    beyond = a[:, None, None] * u + (b[:, None] * v + c[:, None])[:, :, None] > 0.0  # (S, rows, columns)
-    return int((~beyond.any(axis=0)).sum())
+    corner = np.rint(outline_px.mean(axis=0))  # OpenCV's hull is of single precision: stay near zero
+    hull = cv2.convexHull((outline_px - corner).astype(np.float32)).reshape(-1, 2).astype(np.float64)  # (C, 2)
+    (u1, v1), (u2, v2) = hull.T, np.roll(hull, -1, axis=0).T
+    rows = np.arange(np.ceil(v1.min()), np.floor(v1.max()) + 1)[:, None]  # (R, 1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crossing = u1 + (rows - v1) * ((u2 - u1) / (v2 - v1))  # (R, C)
+    meets = (np.minimum(v1, v2) <= rows) & (rows <= np.maximum(v1, v2)) & (v1 != v2)
+    first = np.where(meets, crossing, np.inf).min(axis=1, initial=np.inf)
+    last = np.where(meets, crossing, -np.inf).max(axis=1, initial=-np.inf)
+    crossed = first <= last
+    return int((np.floor(last[crossed]) - np.ceil(first[crossed]) + 1).sum())
 
 
 def _visible_part(instances: ImageArray, row: int, full_box_px: FloatArray) -> tuple[FloatArray, int]:

@@ -44,9 +44,10 @@ class CameraFilm:
     def shoot(self, state: Truth) -> tuple[Frame, CameraTruth]:
         """The frame whose mid-exposure is ``state``, and its truth."""
         rendered = self._exposed(state)
-        image = self._sensor.grain(self._developed(rendered), state.index)
+        windows = [self._lens.bent_window(window) for window in rendered.windows]
+        image = self._sensor.grain(self._developed(rendered, windows), state.index)
         frame = Frame(self._camera.name, state.index, state.time_ns, image)
-        instances = self._bent_instances(rendered)
+        instances = self._bent_instances(rendered, windows)
         return frame, camera_truth(self._camera, state, instances, keep_instances=self._keep_instances)
 
     def _exposed(self, state: Truth) -> Rendered:
@@ -55,30 +56,29 @@ class CameraFilm:
         moments = [advanced(state, t) for t in self._sub_frames_s(state) if t != 0.0]
         return mean_picture(middle, [self._renderer.render(moment, self._camera.name) for moment in moments])
 
-    def _developed(self, rendered: Rendered) -> ImageArray:
-        """The picture through lens and defocus; what stands still has been through them before."""
+    def _developed(self, rendered: Rendered, windows: Sequence[Window]) -> ImageArray:
+        """The picture through lens and defocus; outside of ``windows`` it stands still and has been through before."""
         if rendered.still is None:
             return self._sensor.focus(self._lens.bend(rendered.image))
         if rendered.still is not self._still:
             self._still, self._still_developed = rendered.still, self._sensor.focus(self._lens.bend(rendered.still))
         image = self._still_developed.copy()
-        for window in rendered.windows:
-            inner = _grown(self._lens.bent_window(window), self._sensor.reach_px, image.shape)
+        for window in windows:
+            inner = _grown(window, self._sensor.reach_px, image.shape)
             outer = _grown(inner, self._sensor.reach_px, image.shape)
             if image[inner].size:
                 part = self._sensor.focus(self._lens.bend(rendered.image, outer))
                 image[inner] = part[_inside(inner, outer)]
         return image
 
-    def _bent_instances(self, rendered: Rendered) -> ImageArray:
+    def _bent_instances(self, rendered: Rendered, windows: Sequence[Window]) -> ImageArray:
         if rendered.still is None:
             return self._lens.bend_mask(rendered.instances)
         size = self._camera.intrinsics
         instances = np.zeros((size.height_px, size.width_px), np.uint8)
-        for window in rendered.windows:
-            bent = self._lens.bent_window(window)
-            if instances[bent].size:
-                instances[bent] = self._lens.bend_mask(rendered.instances, bent)
+        for window in windows:
+            if instances[window].size:
+                instances[window] = self._lens.bend_mask(rendered.instances, window)
         return instances
 
     def _sub_frames_s(self, state: Truth) -> list[float]:

@@ -49,10 +49,15 @@ def mean_of_samples(
 
     scene: (h, w, 3) under all the light that there is; shares: what of it each beam brings, by bit of ``shade``.
     """
-    free = owner == 0
-    colour: Array32 = table[owner, shade].sum(axis=0)
-    colour += free.sum(axis=0, dtype=np.float32)[..., None] * scene * np.float32(factor)
+    code = owner * np.uint16(table.shape[1]) + shade
+    touched = np.nonzero(code.any(axis=0))  # (T,) pixels; all others show nothing but the scene
+    image = scene * np.float32(factor)
+    samples = code[:, touched[0], touched[1]]  # (S, T)
+    free, bits = samples < table.shape[1], samples % np.uint16(table.shape[1])
+    colour = table.reshape(-1, 3).take(samples, axis=0).sum(axis=0)  # (T, 3)
+    colour += free.sum(axis=0, dtype=np.float32)[:, None] * image[touched]
     for bit, share in enumerate(shares):
-        dark = (free & (shade >> bit & 1 == 1)).sum(axis=0, dtype=np.float32)
-        colour -= dark[..., None] * share * np.float32(factor)
-    return colour / np.float32(len(owner))
+        dark = (free & (bits >> bit & 1 == 1)).sum(axis=0, dtype=np.float32)
+        colour -= dark[:, None] * share[touched] * np.float32(factor)
+    image[touched] = colour / np.float32(len(owner))
+    return image

@@ -25,7 +25,10 @@ def test_the_full_box_holds_every_point_of_the_object_and_touches_it(x, y, headi
     assert np.abs(pixels.min(axis=0) - box[:2]).max() < 1e-9
 
 
-@given(st.floats(5.0, 60.0), st.floats(5.0, 60.0), st.floats(-0.49, 0.49), st.floats(-0.49, 0.49))
+SIXTEENTHS = st.integers(-7, 7).map(lambda k: k / 16)  # exact in single precision
+
+
+@given(st.integers(5, 60), st.integers(5, 60), SIXTEENTHS, SIXTEENTHS)
 def test_the_silhouette_of_a_rectangle_counts_its_pixel_centres(width, height, u, v):
     corners = np.array([[u, v], [u + width, v], [u + width, v + height], [u, v + height]])
     columns = np.floor(u + width) - np.ceil(u) + 1

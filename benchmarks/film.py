@@ -1,0 +1,95 @@
+"""How fast the film is: frames per second with full truth, the layered renderer against the full one in one run.
+
+``python -m benchmarks.film [--json] [--endurance N]``; N frames in a row also measure the growth of memory.
+"""
+
+import argparse
+import resource
+import time
+
+import numpy as np
+
+from bench.scores import Score, table, to_json
+from benchmarks.film_states import SEED, SIZES, random_state, random_switches, setting
+from contracts.truth import Truth
+from sim.crew import FilmSpec, film
+from sim.lights import LightPreset
+from sim.renderer import RendererName
+
+VEHICLES = (1, 5, 20)
+WARM_STATES = 3  # contexts, backdrops and caches come into being
+LAYERED_STATES, FULL_STATES = 40, 3
+
+
+def states(count: int, vehicles: int) -> list[Truth]:
+    rng = np.random.default_rng(vehicles)
+    switches = random_switches(rng)
+    return [random_state(rng, vehicles, index=k, switches=switches) for k in range(count)]
+
+
+def spec(size: str, renderer: RendererName, light: LightPreset = LightPreset.SUNNY) -> FilmSpec:
+    rig, cameras, scene = setting(size)
+    return FilmSpec(scene, cameras, light, rig.sensor, noise_seed=SEED, keep_instances=True, renderer=renderer)
+
+
+def frames_per_second(filmed: FilmSpec, drawn: list[Truth], *, workers: int) -> float:
+    """Camera frames per second of wall clock, after a few to warm up."""
+    takes = film(filmed, drawn, workers=workers)
+    for _ in range(WARM_STATES):
+        next(takes)
+    begin = time.perf_counter()
+    frames = sum(len(take) for take in takes)
+    return frames / (time.perf_counter() - begin)
+
+
+def measure(size: str) -> list[Score]:
+    scores, per_frame_s = [], {}
+    for vehicles in VEHICLES:
+        few, many = (states(WARM_STATES + n, vehicles) for n in (FULL_STATES, LAYERED_STATES))
+        slow = frames_per_second(spec(size, RendererName.FULL), few, workers=1)
+        fast = frames_per_second(spec(size, RendererName.LAYERED), many, workers=1)
+        team = frames_per_second(spec(size, RendererName.LAYERED), many, workers=2)
+        per_frame_s[vehicles] = 1.0 / fast
+        name = f"{vehicles}_{size}"
+        scores += [
+            Score(f"film.full_fps_{name}", slow, "1/s", 2 * FULL_STATES, True),
+            Score(f"film.fps_{name}", fast, "1/s", 2 * LAYERED_STATES, True),
+            Score(f"film.fps_{name}_two_processes", team, "1/s", 2 * LAYERED_STATES, True),
+            Score(f"film.speedup_{name}", fast / slow, "1", 2 * LAYERED_STATES, True),
+        ]
+    low, high = VEHICLES[0], VEHICLES[-1]
+    growth = (per_frame_s[high] - per_frame_s[low]) / (high - low)
+    return [*scores, Score(f"film.seconds_per_vehicle_{size}", growth, "s", 2 * LAYERED_STATES, True)]
+
+
+def endure(frames: int) -> list[Score]:
+    """Growth of the resident memory from the first quarter of ``frames`` to their end, changing lights included."""
+    per_light = frames // (2 * len(LightPreset))
+    peaks = []
+    for turn, light in enumerate(LightPreset):
+        drawn = (random_state(np.random.default_rng(k), 3, index=k) for k in range(per_light))
+        for _ in film(spec("720p", RendererName.LAYERED, light), drawn, workers=1):
+            pass
+        if turn:
+            peaks.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
+    return [Score("film.memory_growth", peaks[-1] - peaks[0], "MB", 2 * per_light * len(LightPreset), True)]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--json", action="store_true")
+    parser.add_argument("--endurance", type=int, default=0, metavar="N")
+    arguments = parser.parse_args()
+    scores = [score for size in SIZES for score in measure(size)]
+    if arguments.endurance:
+        scores += endure(arguments.endurance)
+    if arguments.json:
+        print(to_json(scores))
+    else:
+        from rich.console import Console
+
+        Console().print(table(scores, title="film"))
+
+
+if __name__ == "__main__":
+    main()

@@ -4,6 +4,7 @@ import pytest
 from georef_cases import cameras, lenses, overhead, perturbed, pixels
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from contracts import Camera, FloatArray, Intrinsics
 from georef import lens
@@ -13,7 +14,7 @@ from georef.projection import project, project_with_derivatives, rays, undistort
 
 def projected_by_opencv(camera: Camera, points: FloatArray) -> FloatArray:
     camera_from_world = camera.pose.world_from_camera.T
-    rvec, _ = cv2.Rodrigues(camera_from_world)
+    rvec = Rotation.from_matrix(camera_from_world).as_rotvec()  # cv2.Rodrigues loses 1e-7 rad near half a turn
     tvec = -camera_from_world @ camera.pose.position_m
     image, _ = cv2.projectPoints(points, rvec, tvec, camera.intrinsics.matrix, camera.intrinsics.distortion)
     return image.reshape(-1, 2)

@@ -41,7 +41,7 @@ def people_read(score: Score | None) -> str:
     if score is None or score.value is None:
         return "—"
     if score.unit == "m" and abs(score.value) < 1:
-        return f"{1000 * score.value:.2f} mm"
+        return f"{1000 * score.value:z.2f} mm"
     if score.unit == "1":
         return f"{100 * score.value:.4g} %"
     if score.unit == "px":

@@ -27,8 +27,8 @@ SHADE = 0.5  # a wall faces the horizon and gets about half of the roof's light 
 SHADE_SIGMA = 0.2  # ... more or less
 ROOF_T_PX = -3.5  # inside of this the profile shows the roof alone
 REACH_SIGMA_PX = 4.0  # what lies farther out than this matters little
-LEVEL_SIGMA = 2.0  # grey levels by which a profile may depart from its model ...
-LEVEL_SIGMA_SHARE = 0.03  # ... and share of the contrast
+SIGMA_SHARE = 0.045  # of the contrast, by which a profile may depart from its model: light must not decide on walls
+LEAST_SIGMA = 0.5  # grey levels; what rounding to whole levels leaves
 WALL_STARTS_PX = (0.0, 1.0, 4.0)  # the fit may find another minimum from each
 _ITERATIONS = 8
 _LARGEST_STEP = np.array([1.0, 1.0, 0.2, 200.0, 200.0, 200.0])
@@ -71,7 +71,7 @@ def _fit(profiles: FloatArray, t_px: FloatArray, wall_start_px: FloatArray) -> t
     shade = np.full_like(wall_start_px, SHADE)
     lengths = np.stack([np.zeros_like(wall_start_px), wall_start_px, shade], axis=1)
     parameters = np.concatenate([lengths, background], axis=1)  # (S, 6)
-    sigma = LEVEL_SIGMA + LEVEL_SIGMA_SHARE * np.linalg.norm(roof - background, axis=1)  # (S,)
+    sigma = np.maximum(SIGMA_SHARE * np.linalg.norm(roof - background, axis=1), LEAST_SIGMA)  # (S,)
     weights = np.exp(-((t_px / REACH_SIGMA_PX) ** 2) / 2)[None, :] / sigma[:, None]  # (S, T)
     free = np.ones_like(parameters)
     free[wall_start_px == 0, 1:3] = 0

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 from conftest import LABELS
 from drawn_frames import Box, draw, floor, frame_of, random_boxes
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from contracts import Detections, Detector, ImageArray
@@ -80,7 +80,18 @@ def test_turning_the_frame_by_half_a_turn_turns_the_anchor(models, box):
     assert np.abs(turned + here - (image.shape[1] - 1, image.shape[0] - 1)).max() < SAME_PX
 
 
+NARROW_WALL = Box(
+    "blue",
+    (295.0, 198.0),
+    heading_rad=1.0,
+    lean_px=(1.25, -0.9),
+    shadow_px=(14.0, -8.0),
+    wall_gains=(0.4, 0.4),
+)
+
+
 @given(boxes(), st.floats(0.4, 1.2))
+@example(NARROW_WALL, 0.5)
 @settings(max_examples=15, deadline=None)
 def test_brightness_does_not_move_the_anchor(models, box, gain):
     background = floor(np.random.default_rng(0))

@@ -14,6 +14,7 @@ from bench.scoring.contacts import contact_scores
 from bench.scoring.continuity import track_scores
 from bench.scoring.detection import detection_scores, label_scores
 from bench.scoring.ground import consistency_scores, error_scores
+from bench.scoring.latency import latency_scores
 from bench.scoring.naive import ground_plane_errors
 from bench.scoring.population import FUSED, Population, camera_names, camera_population, fused_population
 from bench.scoring.stages import split, stage_scores
@@ -40,6 +41,7 @@ def score(recording: Recording, *, gate_m: float | None = None) -> tuple[Score, 
         *stage_scores(split(recording, seen)),
         *anchor_scores("anchor", np.concatenate([np.empty((0, 2)), *(one.errors_px for _, one in seen)])),
         *track_scores("track", fused, gate),
+        *latency_scores("track", cameras, recording.manifest.true_cameras),
         *contact_scores(recording),
         *(
             one

@@ -101,8 +101,9 @@ def test_row_order_and_track_numbers_do_not_matter(recording, data):
     renamed = edit_tracks(renamed, lambda tracks: replace(tracks, ids=tracks.ids * 17 + 5))
     shuffled = edit_ground(renamed, lambda ground: take(ground, order))
     expected = values(moved)
+    assert {name for name, value in expected.items() if value is None} == {"track.refound_frames_max"}
     for name, value in values(shuffled).items():
-        assert value == pytest.approx(expected[name], rel=0, abs=1e-12), name
+        assert value is None or value == pytest.approx(expected[name], rel=0, abs=1e-12), name
 
 
 def test_a_wrong_name_is_a_hit_with_a_wrong_label():
@@ -167,3 +168,39 @@ def test_real_footage_has_every_score_and_none_is_valid():
 def test_a_gate_that_is_not_positive_is_refused():
     with pytest.raises(InputError, match="gate"):
         score(perfect_recording(), gate_m=0.0)
+
+
+def visible(recording: Recording, fractions_by_frame: list[float]) -> Recording:
+    """The first camera sees so much of every object."""
+    shares = iter(fractions_by_frame)
+
+    def edit(truth):
+        share = next(shares)
+        views = (replace(truth.cameras[0], visible_fractions=np.full(len(truth.ids), share)), *truth.cameras[1:])
+        return replace(truth, cameras=views)
+
+    return edit_truth(recording, edit)
+
+
+@pytest.mark.parametrize(("late", "entry", "refound"), [(0, 0, 0), (2, 0, 2), (3, 0, 3)])
+def test_a_vehicle_found_late_after_an_occlusion_is_read_exactly(late, entry, refound):
+    hidden = visible(perfect_recording(steps=10, vehicles=2, cameras=1), [1, 1, 1, 0.5, 0, 0.7, 1, 1, 1, 1])
+    steps = [
+        replace(step, views=(take(step.views[0], [0] if 6 <= k < 6 + late else [0, 1]),))
+        for k, step in enumerate(hidden.steps)
+    ]
+    read = values(Recording(hidden.manifest, tuple(steps)))
+    assert (read["track.entry_frames_max"], read["track.refound_frames_max"]) == (entry, refound)
+
+
+def test_a_vehicle_that_is_never_found_waits_for_its_whole_stay():
+    recording = visible(perfect_recording(steps=6, vehicles=1, cameras=1), [0, 1, 1, 1, 1, 0])
+    outside = edit_truth(
+        recording,
+        lambda truth: replace(
+            truth, cameras=tuple(replace(view, full_boxes_px=[[-9.0, 10, 40, 50]]) for view in truth.cameras)
+        ),
+    )
+    blind = edit_ground(outside, lambda ground: take(ground, []))
+    assert values(blind)["track.entry_frames_max"] == 4
+    assert values(blind)["track.refound_frames_max"] is None

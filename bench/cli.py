@@ -85,15 +85,16 @@ def run(
     from bench.jobs import run_footage, run_scenario
     from bench.report.terminal import print_outcome
     from bench.scores import to_json
-    from bench.wiring import SHIPPED_MODEL, Stages
+    from bench.wiring import Stages
     from contracts import InputError
+    from perception.colour_models import SHIPPED
     from scenarios.loader import load_scenario
 
     stages = Stages(
         detector=detector,
         tracker=tracker,
         perceiver=perceiver,
-        model=model or SHIPPED_MODEL,
+        model=model or SHIPPED,
         locator=locator,
         oracles=tuple(oracle or ()),
         renderer=renderer,

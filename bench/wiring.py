@@ -4,7 +4,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import perception
 from bench import oracles
 from bench.plugins import load_object
 from bench.run import Chain, Perception
@@ -14,13 +13,12 @@ from georef.calibrate import calibrate
 from georef.calibrated import CalibratedCamera
 from georef.fusion import CovarianceFuser
 from georef.location import GroundPlaneLocator, RayPlaneLocator
-from perception.colour_models import ColourModels
+from perception.colour_models import SHIPPED, ColourModels
 from perception.hbp import HistogramBackProjection
 from perception.identity import ColourIdentity
 from perception.perceiver import DetectThenTrack
 from sim.renderer import RendererName
 
-SHIPPED_MODEL = Path(perception.__file__).parent / "models" / "rail.json"
 LOCATORS = {"ray": RayPlaneLocator, "plane0": GroundPlaneLocator}
 
 
@@ -38,7 +36,7 @@ class Stages:
     detector: str | None = None
     tracker: str | None = None
     perceiver: str | None = None
-    model: Path = SHIPPED_MODEL
+    model: Path = SHIPPED
     locator: str = "ray"
     oracles: tuple[str, ...] = ()
     renderer: str = RendererName.LAYERED

@@ -128,4 +128,4 @@ def _rough(silhouette: Silhouette, model: ColourModel) -> Anchor:
     """The silhouette's middle, where no roof can be told from the walls."""
     quad = silhouette.quad_px
     moment = max(model.anchor_moments_px2[ROUGH])
-    return Anchor(quad.mean(axis=0), np.eye(2) * moment, quad, silhouette.rectangularity, (ROUGH, ROUGH))
+    return Anchor(quad.mean(axis=0), np.eye(2) * moment, quad, silhouette.fill, (ROUGH, ROUGH))

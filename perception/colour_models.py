@@ -11,6 +11,9 @@ from contracts import FloatArray, InputError, frozen_array
 from contracts.arrays import freeze
 from perception.hue_saturation import SHAPE
 
+SHIPPED = Path(__file__).parent / "models" / "rail.json"
+"""Models of the palette's colours, learned by ``make model``."""
+
 Range = tuple[float, float]
 
 BOTH = "both"  # both ends of a roof's axis were measured

@@ -6,14 +6,16 @@ gates on area, side ratio and rectangularity. It runs twice: on every few pixels
 windows, then at full resolution inside them, where the roof is measured.
 """
 
+from collections.abc import Iterator
+
 import cv2
 import numpy as np
 
 from contracts import Detections, FloatArray, Frame, ImageArray
 from perception.anchor import Anchor, find_anchor
-from perception.colour_models import ColourModel, ColourModels
+from perception.colour_models import SHIPPED, ColourModel, ColourModels
 from perception.hue_saturation import back_projection, histogram, hue_saturation_value, ratio_histogram
-from perception.silhouette import silhouette_at
+from perception.silhouette import Silhouette, silhouette_at
 
 PROPOSALS = 3  # windows looked at per colour before giving up
 DENSITY_MIN = 0.25  # share of the disc that must have the colour
@@ -21,10 +23,13 @@ CELLS_ACROSS = 6.0  # the roof's short side covers at least so many cells of the
 
 
 class HistogramBackProjection:
-    """Detector: at most one vehicle per colour and frame; keeps no state."""
+    """Detector: at most one vehicle per colour and frame; keeps no state.
 
-    def __init__(self, models: ColourModels) -> None:
-        self._models = models.models
+    models: what to look for; those shipped with the package if none are given.
+    """
+
+    def __init__(self, models: ColourModels | None = None) -> None:
+        self._models = (models or ColourModels.load(SHIPPED)).models
         shortest = min(min(model.roof_size_px) for model in self._models)
         self._stride = max(1, int(shortest / CELLS_ACROSS))
 
@@ -33,18 +38,23 @@ class HistogramBackProjection:
 
     def detect(self, frame: Frame) -> Detections:
         """At most one detection per model, in the models' order."""
-        coarse = hue_saturation_value(frame.image[:: self._stride, :: self._stride].copy())
+        found = [(model, find_anchor(frame.image, outline, model)) for model, outline in self._outlines(frame.image)]
+        return _detections(frame, found)
+
+    def silhouettes(self, image: ImageArray) -> dict[str, Silhouette]:
+        """The outline of each vehicle that is found in an image (H, W, 3), by its label."""
+        return {model.label: outline for model, outline in self._outlines(image)}
+
+    def _outlines(self, image: ImageArray) -> Iterator[tuple[ColourModel, Silhouette]]:
+        coarse = hue_saturation_value(image[:: self._stride, :: self._stride].copy())
         image_histogram = histogram(coarse) * self._stride**2
-        found = []
         for model in self._models:
             ratio = ratio_histogram(model.histogram, image_histogram)
             peaks_px = self._proposals_px(back_projection(coarse, ratio), model)
-            silhouettes = [silhouette_at(frame.image, peak_px, ratio, model) for peak_px in peaks_px]
+            silhouettes = [silhouette_at(image, peak_px, ratio, model) for peak_px in peaks_px]
             passed = [silhouette for silhouette in silhouettes if silhouette is not None]
             if passed:
-                largest = max(passed, key=lambda silhouette: silhouette.area_px)
-                found.append((model, find_anchor(frame.image, largest, model)))
-        return _detections(frame, found)
+                yield model, max(passed, key=lambda silhouette: silhouette.area_px)
 
     def _proposals_px(self, likelihood: ImageArray, model: ColourModel) -> list[FloatArray]:
         """Places (u, v) where a disc of the vehicle's area is best filled with its colour, best first."""

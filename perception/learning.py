@@ -148,7 +148,7 @@ def _gated(model: ColourModel, known: list[KnownRoof], moments: dict[str, Range]
         model,
         area_px=(LEAST_PART * min(areas), MARGIN * max(areas)),
         side_ratio=(LEAST_PART * min(outline.side_ratio for outline in outlines), 1.0),
-        rectangularity_min=min(outline.rectangularity for outline in outlines) / MARGIN,
+        rectangularity_min=min(outline.fill for outline in outlines) / MARGIN,
         anchor_moments_px2=moments,
     )
 

@@ -14,17 +14,41 @@ REACH = 1.5  # of the window round a proposal, in roof lengths
 CLOSING_PX = 5
 
 
+@dataclass(frozen=True)
+class ShapeGates:
+    """What the outline of a vehicle may look like; every colour and every detector is held to the same ones.
+
+    area_px: least and largest area inside the outline, in pixels.
+    side_ratio: least and largest short / long side of its smallest rotated rectangle.
+    fill_min: least area inside the outline over that of the rectangle.
+    """
+
+    area_px: tuple[float, float]
+    side_ratio: tuple[float, float]
+    fill_min: float
+
+    def passes(self, silhouette: "Silhouette") -> bool:
+        """Whether the outline can be a vehicle's."""
+        return (
+            self.area_px[0] <= silhouette.area_px <= self.area_px[1]
+            and self.side_ratio[0] <= silhouette.side_ratio <= self.side_ratio[1]
+            and silhouette.fill >= self.fill_min
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Silhouette:
     """A vehicle's outline, roof and visible walls alike.
 
     origin_px: (2,) place of the window's first pixel in the image.
     mask: (H, W) 1 inside the outline, in the window.
+    raw: (H, W) 1 where a pixel inside the outline had the vehicle's colour; nothing opened, closed or filled.
     rectangle: centre (u, v), size and angle in degrees of the smallest rotated rectangle, OpenCV's form; in the image.
     """
 
     origin_px: IntArray
     mask: ImageArray
+    raw: ImageArray
     rectangle: tuple[tuple[float, float], tuple[float, float], float]
 
     @property
@@ -39,15 +63,43 @@ class Silhouette:
 
     @property
     def rectangularity(self) -> float:
-        """Area over that of the smallest rotated rectangle (Podczeck 1997)."""
-        width, height = self.rectangle[1]
-        return min(1.0, self.area_px / max(width * height, 1.0))
+        """Raw pixels over the area of the smallest rotated rectangle (Podczeck 1997): paper R's measure."""
+        return self._share(float(np.count_nonzero(self.raw)))
+
+    @property
+    def fill(self) -> float:
+        """Area inside the outline over that of the smallest rotated rectangle."""
+        return self._share(self.area_px)
 
     @property
     def side_ratio(self) -> float:
         """Short over long side of the smallest rotated rectangle."""
         width, height = self.rectangle[1]
         return min(width, height) / max(width, height, 1.0)
+
+    def _share(self, pixels: float) -> float:
+        width, height = self.rectangle[1]
+        return min(1.0, pixels / max(width * height, 1.0))
+
+
+def silhouette_in(raw: ImageArray, origin_px: IntArray, gates: ShapeGates) -> Silhouette | None:
+    """The largest patch of ``raw`` after opening and closing, if it passes the gates: paper R's post-processing.
+
+    raw: (H, W) uint8, 1 where a pixel has the vehicle's colour and 0 elsewhere, in a window or the whole image.
+    origin_px: (2,) place (u, v) of the window's first pixel in the image.
+    """
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (CLOSING_PX, CLOSING_PX))
+    tidy = cv2.morphologyEx(cv2.morphologyEx(raw, cv2.MORPH_OPEN, kernel), cv2.MORPH_CLOSE, kernel)
+    contours, _ = cv2.findContours(tidy, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    if not contours:
+        return None
+    contour = max(contours, key=cv2.contourArea)
+    filled = np.zeros_like(raw)
+    cv2.drawContours(filled, [contour], 0, 1, thickness=-1)
+    (u, v), (width, height), angle_deg = cv2.minAreaRect(contour)
+    place = u + float(origin_px[0]), v + float(origin_px[1])
+    silhouette = Silhouette(origin_px, filled, raw & filled, (place, (width + 1, height + 1), angle_deg))
+    return silhouette if gates.passes(silhouette) else None
 
 
 def silhouette_at(image: ImageArray, near_px: FloatArray, ratio: FloatArray, model: ColourModel) -> Silhouette | None:
@@ -56,24 +108,5 @@ def silhouette_at(image: ImageArray, near_px: FloatArray, ratio: FloatArray, mod
     low = np.maximum(np.floor(near_px - reach), 0).astype(int)
     high = np.ceil(near_px + reach + 1).astype(int)
     window = image[low[1] : high[1], low[0] : high[0]].copy()
-    mask = (back_projection(hue_saturation_value(window), ratio) > MEMBER_MIN * 255).astype(np.uint8)
-    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (CLOSING_PX, CLOSING_PX))
-    mask = np.asarray(cv2.morphologyEx(cv2.morphologyEx(mask, cv2.MORPH_OPEN, kernel), cv2.MORPH_CLOSE, kernel))
-    contours, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    if not contours:
-        return None
-    contour = max(contours, key=cv2.contourArea)
-    filled = np.zeros_like(mask)
-    cv2.drawContours(filled, [contour], 0, 1, thickness=-1)
-    (u, v), (width, height), angle_deg = cv2.minAreaRect(contour)
-    rectangle = (u + float(low[0]), v + float(low[1])), (width + 1, height + 1), angle_deg  # pixels have a width
-    silhouette = Silhouette(low, filled, rectangle)
-    return silhouette if _passes(silhouette, model) else None
-
-
-def _passes(silhouette: Silhouette, model: ColourModel) -> bool:
-    return (
-        model.area_px[0] <= silhouette.area_px <= model.area_px[1]
-        and model.side_ratio[0] <= silhouette.side_ratio <= model.side_ratio[1]
-        and silhouette.rectangularity >= model.rectangularity_min
-    )
+    raw = (back_projection(hue_saturation_value(window), ratio) > MEMBER_MIN * 255).astype(np.uint8)
+    return silhouette_in(raw, low, ShapeGates(model.area_px, model.side_ratio, model.rectangularity_min))

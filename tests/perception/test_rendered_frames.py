@@ -1,19 +1,15 @@
 """The shipped models on rendered frames of a scenario that nothing was learned from; 18 frames."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-import perception
-from perception.colour_models import ColourModels
 from perception.hbp import HistogramBackProjection
 from scenarios.loader import load_scenario
 from scenarios.worlds import build_world
 from sim.lights import LightPreset
 
-MODELS = Path(perception.__file__).parent / "models" / "rail.json"
 WHOLE = 0.98  # visible share from which a vehicle counts as whole
 LEAST_SEEN = 0.8
 
@@ -22,7 +18,7 @@ LEAST_SEEN = 0.8
 @pytest.mark.parametrize("light", ["sunny", "lamps", "dusk"])
 def test_every_vehicle_is_found_where_it_is_and_no_other(light):
     scenario = replace(load_scenario("oval-two-vehicles"), light=LightPreset(light), duration_s=9.0, fps=1 / 3)
-    detector = HistogramBackProjection(ColourModels.load(MODELS))
+    detector = HistogramBackProjection()
     errors, normalised = [], []
     for step in build_world(scenario).steps():
         for frame, view in zip(step.frames, step.truth.cameras, strict=True):

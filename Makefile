@@ -1,7 +1,7 @@
 # make demo      set everything up, film the model railway, score it, write the report
 # make test      set everything up, run the linters, the type checker and the tests
 # make accuracy  film everything, hold every expectation, write docs/accuracy.md
-# make model     film the training scenarios and learn perception/models/rail.json from them
+# make model     film the training scenarios and learn perception/models/*.json from them
 
 PYTHON ?= python3
 VENV := .venv
@@ -24,7 +24,8 @@ TRAINING := $(basename $(notdir $(wildcard scenarios/library/train-*.toml)))
 
 model: setup
 	$(BIN)/gantry run $(TRAINING) --oracle detect --oracle calibrate --frames --out runs/training
-	$(BIN)/gantry learn $(addprefix runs/training/,$(TRAINING)) --out perception/models/rail.json
+	$(BIN)/gantry learn $(addprefix runs/training/,$(TRAINING)) --out perception/models/rail.json \
+		--baselines perception/models/baselines.json
 
 lint: setup
 	$(BIN)/ruff check .

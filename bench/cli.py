@@ -65,7 +65,7 @@ def list_() -> None:
 @app.command()
 def run(
     scenarios: Annotated[list[str] | None, typer.Argument(help="Names or TOML files.", metavar="SCENARIO...")] = None,
-    detector: Annotated[str | None, typer.Option(help="Your own: my_pkg.mod:Mine.")] = None,
+    detector: Annotated[str | None, typer.Option(help="hbp, crd, ccr, gmm, or your own: my_pkg.mod:Mine.")] = None,
     tracker: Annotated[str | None, typer.Option(help="Your own: my_pkg.mod:Mine.")] = None,
     perceiver: Annotated[str | None, typer.Option(help="Detector and tracker in one: my_pkg.mod:Mine.")] = None,
     model: Annotated[Path | None, typer.Option(help="Colour models from gantry learn.")] = None,
@@ -209,11 +209,12 @@ def learn(
         list[Path], typer.Argument(help="Runs recorded with --frames, or COCO files.", metavar="FRAMES...")
     ],
     out: Annotated[Path, typer.Option(help="The model file to write.")],
+    baselines: Annotated[Path | None, typer.Option(help="The file of the baselines' colours to write, too.")] = None,
 ) -> None:
     """Learn the vehicles' colour models from training frames."""
     from bench.learn import learn_models
 
-    learn_models(frames, out)
+    learn_models(frames, out, baselines=baselines)
     print(out)
 
 

@@ -16,21 +16,31 @@ from bench.recording_file import load_frames, load_recording
 from bench.roofs import roof_quads_px
 from contracts import Camera, FloatArray, Frame, InputError
 from contracts.truth import CameraTruth, Truth
+from perception.baselines.colours import PlainColours
+from perception.baselines.learning import learn_colours
+from perception.colour_models import ColourModels
 from perception.learning import LabelledFrame, learn
 
 LEAST_VISIBLE = 0.8  # an object hidden by more teaches a wrong size and colour
 
 
-def learn_models(sources: Sequence[Path], out: Path) -> None:
+def learn_models(sources: Sequence[Path], out: Path, *, baselines: Path | None = None) -> None:
     """Learn colour models from all ``sources`` (see ``labelled_frames``) and save them as ``out``.
 
-    Raises InputError if a source cannot be used, if nothing can be learned, or if ``out`` cannot be written.
+    baselines: where to save what the baselines learn from the same frames.
+    Raises InputError if a source cannot be used, if nothing can be learned, or if a file cannot be written.
     """
     models = learn(sample for source in sources for sample in labelled_frames(source))
+    _save(models, out)
+    if baselines:
+        _save(learn_colours(sample for source in sources for sample in labelled_frames(source)), baselines)
+
+
+def _save(models: ColourModels | PlainColours, path: Path) -> None:
     try:
-        models.save(out)
+        models.save(path)
     except OSError as error:
-        raise InputError(f"{out} cannot be written: {error.strerror}") from error
+        raise InputError(f"{path} cannot be written: {error.strerror}") from error
 
 
 def labelled_frames(source: Path | str) -> Iterator[LabelledFrame]:

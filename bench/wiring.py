@@ -1,6 +1,6 @@
 """Chooses the stages of a run: the only place that knows which implementation serves by default."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,12 +13,21 @@ from georef.calibrate import calibrate
 from georef.calibrated import CalibratedCamera
 from georef.fusion import CovarianceFuser
 from georef.location import GroundPlaneLocator, RayPlaneLocator
+from perception.baselines.colour_mixture import ColourMixture
+from perception.baselines.colour_range import ColourRange
+from perception.baselines.colour_ratio import ColourRatio
 from perception.colour_models import SHIPPED, ColourModels
 from perception.hbp import HistogramBackProjection
 from perception.identity import ColourIdentity
 from perception.perceiver import DetectThenTrack
 from sim.renderer import RendererName
 
+DETECTORS: dict[str, Callable[[ColourModels], Detector]] = {
+    "hbp": HistogramBackProjection,
+    "crd": ColourRange,
+    "ccr": ColourRatio,
+    "gmm": ColourMixture,
+}
 LOCATORS = {"ray": RayPlaneLocator, "plane0": GroundPlaneLocator}
 
 
@@ -26,6 +35,7 @@ LOCATORS = {"ray": RayPlaneLocator, "plane0": GroundPlaneLocator}
 class Stages:
     """Which implementation serves each stage: None for the bench's own, or a path such as ``my_pkg.mod:Mine``.
 
+    detector: also one of ``DETECTORS``.
     perceiver: replaces detector and tracker where given.
     model: file of colour models for the bench's own detector.
     locator: ``ray`` meets the plane at the anchor's height; ``plane0`` is the naive projection to z = 0.
@@ -59,7 +69,9 @@ class Stages:
         """The implementation of every stage, for the manifest."""
         if not self.needs_film:
             return {"locator": "oracle"}
-        eyes = {"detector": self.detector or f"hbp ({self.model.name})", "tracker": self.tracker or "colour identity"}
+        detector = self.detector or "hbp"
+        detector = f"{detector} ({self.model.name})" if detector in DETECTORS else detector
+        eyes = {"detector": detector, "tracker": self.tracker or "colour identity"}
         if self.perceiver or "detect" in self.oracles:
             eyes = {"perceiver": "oracle" if "detect" in self.oracles else str(self.perceiver)}
         calibrator = "oracle" if "calibrate" in self.oracles else "checkerboard and control points"
@@ -70,12 +82,16 @@ class Stages:
         if self.perceiver:
             whole: Perceiver = load_object(self.perceiver, Perceiver)
             return whole
-        if self.detector:
-            detector: Detector = load_object(self.detector, Detector)
-        else:
-            detector = HistogramBackProjection(ColourModels.load(self.model))
         tracker: Tracker = load_object(self.tracker, Tracker) if self.tracker else ColourIdentity()
-        return DetectThenTrack(detector, tracker)
+        return DetectThenTrack(self.make_detector(), tracker)
+
+    def make_detector(self) -> Detector:
+        """A fresh detector for one camera."""
+        name = self.detector or "hbp"
+        if name in DETECTORS:
+            return DETECTORS[name](ColourModels.load(self.model))
+        detector: Detector = load_object(name, Detector)
+        return detector
 
 
 def make_perception(stages: Stages, cameras: Iterable[str]) -> Perception:

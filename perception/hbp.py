@@ -6,7 +6,7 @@ gates on area, side ratio and rectangularity. It runs twice: on every few pixels
 windows, then at full resolution inside them, where the roof is measured.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import cv2
 import numpy as np
@@ -39,7 +39,7 @@ class HistogramBackProjection:
     def detect(self, frame: Frame) -> Detections:
         """At most one detection per model, in the models' order."""
         found = [(model, find_anchor(frame.image, outline, model)) for model, outline in self._outlines(frame.image)]
-        return _detections(frame, found)
+        return detections_of(frame, found)
 
     def silhouettes(self, image: ImageArray) -> dict[str, Silhouette]:
         """The outline of each vehicle that is found in an image (H, W, 3), by its label."""
@@ -78,7 +78,8 @@ def disc(radius: float) -> FloatArray:
     return np.asarray(inside / inside.sum())
 
 
-def _detections(frame: Frame, found: list[tuple[ColourModel, Anchor]]) -> Detections:
+def detections_of(frame: Frame, found: Sequence[tuple[ColourModel, Anchor]]) -> Detections:
+    """One detection per model and anchor, scored by the share of the roof that was seen."""
     if not found:
         return Detections.empty(frame.camera, frame.index, frame.time_ns)
     quads = np.array([anchor.quad_px for _, anchor in found])  # (N, 4, 2)

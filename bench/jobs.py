@@ -73,11 +73,10 @@ def run_scenario(
         workers=workers,
         renderer=stages.renderer,
     )
-    perceive = make_perception(
-        stages, [camera.name for camera in world.cameras]
-    )  # first: a wrong plug-in costs no film
+    make_perception(stages, world.survey.cameras)  # first: a wrong plug-in costs no film
     steps = world.steps()
     first = next(steps)
+    calibrated = calibrated_cameras(world, first.frames, stages) if stages.needs_film else ()
     manifest = Manifest(
         scenario=scenario.name,
         title=scenario.title,
@@ -89,10 +88,11 @@ def run_scenario(
         versions=_versions(),
         survey=world.survey,
         true_cameras=world.cameras,
-        calibrated_cameras=calibrated_cameras(world, first.frames, stages) if stages.needs_film else (),
+        calibrated_cameras=calibrated,
     )
     shown = _with_progress(itertools.chain([first], steps), scenario.name, total=len(world), quiet=quiet)
-    chain = make_chain(stages, perceive, manifest.calibrated_cameras)
+    perceive = make_perception(stages, [each.camera for each in calibrated])
+    chain = make_chain(stages, perceive, calibrated)
     _record(shown, manifest, chain, directory, keep_frames=keep_frames, sample_every=len(world) // SAMPLES + 1)
     return rescore(directory, scenario)
 
@@ -129,7 +129,7 @@ def run_footage(
         calibrated_cameras=(calibrated,),
     )
     shown = _with_progress(footage.steps(), video.name, total=None, quiet=quiet)
-    chain = make_chain(stages, make_perception(stages, [calibrated.camera.name]), [calibrated])
+    chain = make_chain(stages, make_perception(stages, [calibrated.camera]), [calibrated])
     _record(shown, manifest, chain, directory, keep_frames=keep_frames, sample_every=FOOTAGE_SAMPLE_EVERY)
     return rescore(directory)
 

@@ -20,8 +20,7 @@ from perception.baselines.colours import PlainColours
 from perception.baselines.learning import learn_colours
 from perception.colour_models import ColourModels
 from perception.learning import LabelledFrame, learn
-
-LEAST_VISIBLE = 0.8  # an object hidden by more teaches a wrong size and colour
+from perception.view import straight_down
 
 
 def learn_models(sources: Sequence[Path], out: Path, *, baselines: Path | None = None) -> None:
@@ -44,10 +43,10 @@ def _save(models: ColourModels | PlainColours, path: Path) -> None:
 
 
 def labelled_frames(source: Path | str) -> Iterator[LabelledFrame]:
-    """Frames with the roofs of the objects that are visible by at least ``LEAST_VISIBLE``.
+    """Frames with the roofs of the objects that can be seen in them.
 
     source: a run recorded with its frames, or a COCO annotation file (``.json``) whose images lie where it says and
-        whose annotations say ``roof_height_m``.
+        whose annotations say ``roof_height_m`` and whose images say ``focal_px`` and ``camera_height_m``.
     Raises InputError naming what is missing.
     """
     source = Path(source)
@@ -68,10 +67,10 @@ def _from_run(directory: Path) -> Iterator[LabelledFrame]:
 
 def _with_truth(frame: Frame, truth: Truth, view: CameraTruth, camera: Camera) -> LabelledFrame:
     quads_px = roof_quads_px(truth, camera)
-    rows = (view.visible_fractions >= LEAST_VISIBLE) & np.isfinite(quads_px).all(axis=(1, 2))
+    rows = (view.visible_fractions > 0) & np.isfinite(quads_px).all(axis=(1, 2))
     heights_m = truth.positions_m[:, 2] + truth.sizes_m[:, 2]
     labels = tuple(label for label, wanted in zip(truth.labels, rows, strict=True) if wanted)
-    return LabelledFrame(frame, labels, quads_px[rows], heights_m[rows])
+    return LabelledFrame(frame, camera, labels, quads_px[rows], heights_m[rows], view.visible_fractions[rows])
 
 
 def _from_coco(path: Path) -> Iterator[LabelledFrame]:
@@ -79,12 +78,13 @@ def _from_coco(path: Path) -> Iterator[LabelledFrame]:
     labels = {category.id: category.name for category in content.categories}
     for number, image in enumerate(content.images):
         marks = [mark for mark in content.annotations if mark.image_id == image.id and not mark.iscrowd]
-        seen = [mark for mark in marks if mark.visible_fraction >= LEAST_VISIBLE]
         yield LabelledFrame(
             _coco_frame(path, number, image),
-            tuple(_label(path, labels, mark) for mark in seen),
-            np.array([_quad_px(path, mark) for mark in seen]).reshape(-1, 4, 2),
-            np.array([_height_m(path, mark) for mark in seen]),
+            _coco_camera(path, image),
+            tuple(_label(path, labels, mark) for mark in marks),
+            np.array([_quad_px(path, mark) for mark in marks]).reshape(-1, 4, 2),
+            np.array([_height_m(path, mark) for mark in marks]),
+            np.array([mark.visible_fraction for mark in marks]),
         )
 
 
@@ -108,6 +108,15 @@ def _coco_frame(path: Path, number: int, image: CocoImage) -> Frame:
             f" marked as {image.width} x {image.height}"
         )
     return Frame(image.camera, number if image.index is None else image.index, image.time_ns, pixels)
+
+
+def _coco_camera(path: Path, image: CocoImage) -> Camera:
+    if image.focal_px is None or image.camera_height_m is None:
+        raise InputError(
+            f"{path}: image {image.id} lacks focal_px and camera_height_m, the camera's focal length and height above"
+            " ground, without which no size in metres can be learned"
+        )
+    return straight_down(image.focal_px, image.camera_height_m, (image.width, image.height), name=image.camera)
 
 
 def _label(path: Path, labels: dict[int, str], mark: CocoAnnotation) -> str:

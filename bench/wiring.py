@@ -7,7 +7,7 @@ from pathlib import Path
 from bench import oracles
 from bench.plugins import load_object
 from bench.run import Chain, Perception
-from contracts import Detector, Frame, GroundTracks, InputError, Locator, Perceiver, Tracker, Tracks
+from contracts import Camera, Detector, Frame, GroundTracks, InputError, Locator, Perceiver, Tracker, Tracks
 from contracts.truth import Step, World
 from georef.calibrate import calibrate
 from georef.calibrated import CalibratedCamera
@@ -22,7 +22,7 @@ from perception.identity import ColourIdentity
 from perception.perceiver import DetectThenTrack
 from sim.renderer import RendererName
 
-DETECTORS: dict[str, Callable[[ColourModels], Detector]] = {
+DETECTORS: dict[str, Callable[[ColourModels, Camera], Detector]] = {
     "hbp": HistogramBackProjection,
     "crd": ColourRange,
     "ccr": ColourRatio,
@@ -77,30 +77,30 @@ class Stages:
         calibrator = "oracle" if "calibrate" in self.oracles else "checkerboard and control points"
         return {**eyes, "calibrator": calibrator, "locator": self.locator, "fuser": "covariance"}
 
-    def make_perceiver(self) -> Perceiver:
-        """A fresh perceiver for one camera."""
+    def make_perceiver(self, camera: Camera) -> Perceiver:
+        """A fresh perceiver for one camera, which is told what the camera's owner knows of it."""
         if self.perceiver:
             whole: Perceiver = load_object(self.perceiver, Perceiver)
             return whole
         tracker: Tracker = load_object(self.tracker, Tracker) if self.tracker else ColourIdentity()
-        return DetectThenTrack(self.make_detector(), tracker)
+        return DetectThenTrack(self.make_detector(camera), tracker)
 
-    def make_detector(self) -> Detector:
-        """A fresh detector for one camera."""
+    def make_detector(self, camera: Camera) -> Detector:
+        """A fresh detector for one camera, which is told what the camera's owner knows of it."""
         name = self.detector or "hbp"
         if name in DETECTORS:
-            return DETECTORS[name](ColourModels.load(self.model))
+            return DETECTORS[name](ColourModels.load(self.model), camera)
         detector: Detector = load_object(name, Detector)
         return detector
 
 
-def make_perception(stages: Stages, cameras: Iterable[str]) -> Perception:
+def make_perception(stages: Stages, cameras: Iterable[Camera]) -> Perception:
     """What turns a step into the tracks of every camera."""
     if not stages.needs_film:
         return lambda _: ()
     if "detect" in stages.oracles:
         return oracles.detect
-    perceivers = {name: stages.make_perceiver() for name in cameras}
+    perceivers = {camera.name: stages.make_perceiver(camera) for camera in cameras}
 
     def perceive(step: Step) -> tuple[Tracks, ...]:
         return tuple(perceivers[frame.camera].perceive(frame) for frame in step.frames)

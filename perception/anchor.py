@@ -8,6 +8,7 @@ from contracts import BoolArray, FloatArray, ImageArray
 from perception.colour_models import BOTH, ROUGH, SINGLE, ColourModel
 from perception.roof import Roof, measure_roof, seed_quad
 from perception.silhouette import Silhouette
+from perception.view import LocalView, RoofView
 
 FARTHEST_PX = 6.0  # the measured middle is not farther than this from the rough one
 ODD_SIZE = 0.12  # a size that departs from the usual one by more than this share is not the whole roof's
@@ -20,26 +21,22 @@ class Anchor:
 
     point_px: (2,). cov_px2: (2, 2) second moment of its error.
     quad_px: (4, 2) the roof. visible: share of the roof that was seen.
-    regimes: how the long and the short axis were measured.
+    axes: (2, 2) unit vectors along the long and the short side. regimes: how each of these axes was measured.
     """
 
     point_px: FloatArray
     cov_px2: FloatArray
     quad_px: FloatArray
     visible: float
+    axes: FloatArray
     regimes: tuple[str, str]
 
 
-def find_anchor(image: ImageArray, silhouette: Silhouette, model: ColourModel) -> Anchor:
-    """The roof's centre within a silhouette; the camera is taken to look straight down, as paper R's do."""
-    outward = outward_px(image, silhouette.quad_px.mean(axis=0))
-    roof = roof_in(image, silhouette, outward)
-    return _rough(silhouette, model) if roof is None else complete_roof(roof, model, outward)
-
-
-def outward_px(image: ImageArray, place_px: FloatArray) -> FloatArray:
-    """(2,) from the image's middle, which is nearly the point below the camera, to a place in the image."""
-    return place_px - (np.array(image.shape[1::-1]) - 1) / 2
+def find_anchor(image: ImageArray, silhouette: Silhouette, model: ColourModel, view: RoofView) -> Anchor:
+    """The roof's centre within a silhouette."""
+    local = view.at(silhouette.quad_px.mean(axis=0))
+    roof = roof_in(image, silhouette, -local.lean_px)
+    return _rough(silhouette, model) if roof is None else complete_roof(roof, model, view.at(roof.centre_px))
 
 
 def roof_in(image: ImageArray, silhouette: Silhouette, outward: FloatArray) -> Roof | None:
@@ -57,17 +54,17 @@ def roof_in(image: ImageArray, silhouette: Silhouette, outward: FloatArray) -> R
     return roof.shifted(silhouette.origin_px) if near else None
 
 
-def complete_roof(roof: Roof, model: ColourModel, outward: FloatArray) -> Anchor:
+def complete_roof(roof: Roof, model: ColourModel, view: LocalView) -> Anchor:
     """The anchor from the measured sides, with the learned size where an end of the roof was hidden."""
-    roof = _long_side_first(roof, model)
+    roof = _long_side_first(roof, model, view)
     axes = roof.axes  # (2, 2) long, short
     size = np.array(roof.size_px)
-    usual = np.array(model.roof_size_px)
+    usual = np.array(model.roof_size_m) * view.px_per_m_along(axes)
     whole = _whole(roof, size / usual)
-    scale = float(np.mean(size[whole] / usual[whole])) if whole.any() else 1.0  # of this camera against training's
-    expected = scale * usual
+    scale = float(np.mean(size[whole] / usual[whole])) if whole.any() else 1.0  # the camera may hang lower than known
+    expected, outward = scale * usual, -axes @ view.lean_px
     completed = [
-        _Axis(BOTH, size[k]) if whole[k] else _complete(size[k], expected[k], roof.ends_measured[k], axes[k] @ outward)
+        _Axis(BOTH, size[k]) if whole[k] else _complete(size[k], expected[k], roof.ends_measured[k], outward[k])
         for k in range(2)
     ]
     moments = [model.anchor_moments_px2[axis.regime][k] + axis.doubt_px**2 for k, axis in enumerate(completed)]
@@ -75,10 +72,11 @@ def complete_roof(roof: Roof, model: ColourModel, outward: FloatArray) -> Anchor
     half = np.array([axis.size_px for axis in completed]) / 2
     quad = point + (np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * half) @ axes
     visible = float(np.clip(np.prod(size / expected), 0.0, 1.0))
-    return Anchor(point, axes.T @ np.diag(moments) @ axes, quad, visible, (completed[0].regime, completed[1].regime))
+    regimes = completed[0].regime, completed[1].regime
+    return Anchor(point, axes.T @ np.diag(moments) @ axes, quad, visible, axes, regimes)
 
 
-def _long_side_first(roof: Roof, model: ColourModel) -> Roof:
+def _long_side_first(roof: Roof, model: ColourModel, view: LocalView) -> Roof:
     """The same roof with its axes named by what was measured: half a roof, cut by the border, is nearly a square.
 
     An axis of which both ends were seen is the one whose learned size it is nearer to.
@@ -86,8 +84,9 @@ def _long_side_first(roof: Roof, model: ColourModel) -> Roof:
     whole: BoolArray = np.asarray(roof.ends_measured.all(axis=1))
     if whole.all() or not whole.any():
         return roof
-    size = roof.size_px[int(np.argmax(whole))]
-    nearest = int(np.argmin(np.abs(np.log(size / np.array(model.roof_size_px)))))
+    seen = int(np.argmax(whole))
+    size_m = roof.size_px[seen] / view.px_per_m_along(roof.axes[seen : seen + 1])[0]
+    nearest = int(np.argmin(np.abs(np.log(size_m / np.array(model.roof_size_m)))))
     return roof if whole[nearest] else roof.turned()
 
 
@@ -128,4 +127,4 @@ def _rough(silhouette: Silhouette, model: ColourModel) -> Anchor:
     """The silhouette's middle, where no roof can be told from the walls."""
     quad = silhouette.quad_px
     moment = max(model.anchor_moments_px2[ROUGH])
-    return Anchor(quad.mean(axis=0), np.eye(2) * moment, quad, silhouette.fill, (ROUGH, ROUGH))
+    return Anchor(quad.mean(axis=0), np.eye(2) * moment, quad, silhouette.fill, np.eye(2), (ROUGH, ROUGH))

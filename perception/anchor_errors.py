@@ -7,10 +7,12 @@ import numpy as np
 
 from contracts import FloatArray, ImageArray
 from perception.anchor import complete_roof, roof_in
-from perception.colour_models import BOTH, REGIMES, ROUGH, SINGLE, ColourModel, Range
+from perception.colour_models import REGIMES, ROUGH, SINGLE, ColourModel, Pair
 from perception.roof import Roof
 from perception.silhouette import Silhouette
+from perception.view import LocalView
 
+LEAST_CUT = 20  # axes cut by the border, that teach their own error
 LEAST_ERROR_PX = 0.05  # what antialiasing leaves unresolved even in a rendered image
 
 
@@ -18,50 +20,53 @@ LEAST_ERROR_PX = 0.05  # what antialiasing leaves unresolved even in a rendered 
 class KnownRoof:
     """A vehicle of a training frame: a window of it, the outline found there, and the roof's true middle (2,).
 
-    model: of its colour. outward: (2,) from the point below the camera.
+    model: of its colour. view: of the camera, there. whole: it is not cut by the image's border.
     """
 
     model: ColourModel
     window: ImageArray
     silhouette: Silhouette
     centre_px: FloatArray
-    outward: FloatArray
+    view: LocalView
+    whole: bool
 
 
-def anchor_moments(known: Sequence[KnownRoof]) -> dict[str, Range]:
+def anchor_moments(known: Sequence[KnownRoof]) -> dict[str, Pair]:
     """By regime, the mean squared error (bias included) along the long and the short side, in square pixels.
 
-    A hidden end is rare in training, so the ``single`` regime is learned by leaving out each end of each axis in
-    turn; among the half that lies farthest out, since it is mostly the image's border that hides an end.
+    An end is hidden mostly by the image's border, so the ``single`` regime is learned from the axes that it cuts; where
+    training has fewer than ``LEAST_CUT`` of them, also by leaving out each end of each axis of whole roofs in turn.
     """
-    far = np.median([np.linalg.norm(example.outward) for example in known])
-    errors: dict[str, list[FloatArray]] = {regime: [] for regime in REGIMES}
+    errors: dict[str, tuple[list[float], list[float]]] = {regime: ([], []) for regime in REGIMES}
+    left_out: tuple[list[float], list[float]] = ([], [])
     for example in known:
-        roof = roof_in(example.window, example.silhouette, example.outward)
+        roof = roof_in(example.window, example.silhouette, -example.view.lean_px)
         if roof is None:
             continue
-        errors[ROUGH].append(roof.axes @ (example.silhouette.quad_px.mean(axis=0) - example.centre_px))
-        whole = complete_roof(roof, example.model, example.outward)
-        if whole.regimes == (BOTH, BOTH):
-            errors[BOTH].append(roof.axes @ (whole.point_px - example.centre_px))
-            if np.linalg.norm(example.outward) >= far:
-                errors[SINGLE].extend(_with_one_end(roof, example))
-    return {regime: _moment(errors[regime]) for regime in REGIMES}
+        anchor = complete_roof(roof, example.model, example.view)
+        for axis, regime in enumerate(anchor.regimes):
+            if regime != ROUGH and (regime == SINGLE) != example.whole:
+                errors[regime][axis].append(anchor.axes[axis] @ (anchor.point_px - example.centre_px))
+        if example.whole:
+            rough = roof.axes @ (example.silhouette.quad_px.mean(axis=0) - example.centre_px)
+            for axis in range(2):
+                errors[ROUGH][axis].append(rough[axis])
+                left_out[axis].extend(_with_one_end(roof, example, axis))
+    for axis in range(2):
+        if len(errors[SINGLE][axis]) < LEAST_CUT:
+            errors[SINGLE][axis].extend(left_out[axis])
+    return {regime: (_moment(errors[regime][0]), _moment(errors[regime][1])) for regime in REGIMES}
 
 
-def _with_one_end(roof: Roof, example: KnownRoof) -> Iterator[FloatArray]:
-    """Errors (2,) along both axes, had the forward, or the backward ends been hidden."""
-    for end in range(2):
-        error = np.empty(2)
-        for axis, sides in enumerate(((1, 3), (0, 2))):
-            seen = roof.sides_measured & (np.arange(4) != sides[end])
-            anchor = complete_roof(replace(roof, sides_measured=seen), example.model, example.outward)
-            error[axis] = roof.axes[axis] @ (anchor.point_px - example.centre_px)
-        yield error
+def _with_one_end(roof: Roof, example: KnownRoof, axis: int) -> Iterator[float]:
+    """Errors along one axis, had one of its ends been hidden, then the other."""
+    for end in ((1, 3), (0, 2))[axis]:
+        seen = roof.sides_measured & (np.arange(4) != end)
+        anchor = complete_roof(replace(roof, sides_measured=seen), example.model, example.view)
+        yield float(roof.axes[axis] @ (anchor.point_px - example.centre_px))
 
 
-def _moment(errors: list[FloatArray]) -> Range:
+def _moment(errors: list[float]) -> float:
     """Mean square, no less than what can be resolved; a whole pixel where nothing was learned."""
-    moments = np.mean(np.square(errors), axis=0) if errors else np.ones(2)
-    along, across = np.maximum(moments, LEAST_ERROR_PX**2).tolist()
-    return along, across
+    moment = float(np.mean(np.square(errors))) if errors else 1.0
+    return max(moment, LEAST_ERROR_PX**2)

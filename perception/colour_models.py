@@ -14,50 +14,48 @@ from perception.hue_saturation import SHAPE
 SHIPPED = Path(__file__).parent / "models" / "rail.json"
 """Models of the palette's colours, learned by ``make model``."""
 
-Range = tuple[float, float]
+Pair = tuple[float, float]
 
 BOTH = "both"  # both ends of a roof's axis were measured
 SINGLE = "single"  # one end was, the other follows from the learned size
 ROUGH = "rough"  # none was: the silhouette's middle
 REGIMES = (BOTH, SINGLE, ROUGH)
+PARTS = 10_000  # of one, in a file
 
 
 @dataclass(frozen=True, eq=False)
 class ColourModel:
-    """A vehicle of one colour as it shows in an image, all of it learned.
+    """A vehicle of one colour, all of it learned; in metres, so that it serves any camera.
 
     label: the colour's name.
-    histogram: (HUE_BINS, SATURATION_BINS) pixels that one vehicle puts into each bin, background suppressed.
-    area_px: least and largest area of the silhouette, roof and visible walls, in pixels.
-    side_ratio: least and largest short / long side of the silhouette's smallest rotated rectangle.
-    rectangularity_min: least area of the silhouette over that of its rectangle.
-    roof_long_px, roof_short_px: least and largest long and short side of the roof.
+    histogram: (HUE_BINS, SATURATION_BINS) share of the roof's pixels that falls into each bin under the light that
+        puts most there, background suppressed; the sum over all bins is therefore more than 1.
+    roof_size_m: long and short side of the roof.
     roof_height_m: height above ground of the roof, on which the anchor lies.
+    fill_min: least area of the silhouette over that of its smallest rotated rectangle.
     anchor_moments_px2: by regime of measurement, the anchor's mean squared error along the long and the short side.
     """
 
     label: str
     histogram: FloatArray
-    area_px: Range
-    side_ratio: Range
-    rectangularity_min: float
-    roof_long_px: Range
-    roof_short_px: Range
+    roof_size_m: Pair
     roof_height_m: float
-    anchor_moments_px2: dict[str, Range]
+    fill_min: float
+    anchor_moments_px2: dict[str, Pair]
 
     def __post_init__(self) -> None:
         if not self.label:
             raise InputError("ColourModel.label is empty; name the colour")
         freeze(self, "histogram", shape=SHAPE)
         if self.histogram.min() < 0 or self.histogram.sum() <= 0:
-            raise InputError(f"ColourModel {self.label!r}: the histogram must hold counts >= 0, not all of them 0")
-        for name in ("area_px", "side_ratio", "roof_long_px", "roof_short_px"):
-            low, high = frozen_array(getattr(self, name), name=f"ColourModel.{name}", shape=(2,))
-            if not 0 < low <= high:
-                raise InputError(f"ColourModel {self.label!r}: {name} = ({low}, {high}) must be 0 < low <= high")
-        if not 0 <= self.rectangularity_min <= 1:
-            raise InputError(f"ColourModel {self.label!r}: rectangularity_min must lie in [0, 1]")
+            raise InputError(f"ColourModel {self.label!r}: the histogram must hold shares >= 0, not all of them 0")
+        long_m, short_m = frozen_array(self.roof_size_m, name="ColourModel.roof_size_m", shape=(2,))
+        if not 0 < short_m <= long_m:
+            raise InputError(
+                f"ColourModel {self.label!r}: roof_size_m = ({long_m}, {short_m}) must be positive, long side first"
+            )
+        if not 0 <= self.fill_min <= 1:
+            raise InputError(f"ColourModel {self.label!r}: fill_min must lie in [0, 1]")
         if not np.isfinite(self.roof_height_m):
             raise InputError(f"ColourModel {self.label!r}: roof_height_m = {self.roof_height_m} must be finite")
         moments = [value for pair in self.anchor_moments_px2.values() for value in pair]
@@ -65,17 +63,17 @@ class ColourModel:
             wanted = ", ".join(REGIMES)
             raise InputError(f"ColourModel {self.label!r}: anchor_moments_px2 needs finite positive pairs for {wanted}")
 
-    @property
-    def roof_size_px(self) -> Range:
-        """Usual long and short side of the roof."""
-        return sum(self.roof_long_px) / 2, sum(self.roof_short_px) / 2
-
 
 @dataclass(frozen=True, eq=False)
 class ColourModels:
-    """The models of all colours, labels unique."""
+    """The models of all colours, labels unique.
+
+    focal_px, height_m: of the camera that they were learned from; what a detector takes for its own if told nothing.
+    """
 
     models: tuple[ColourModel, ...]
+    focal_px: float
+    height_m: float
 
     def __post_init__(self) -> None:
         labels = [model.label for model in self.models]
@@ -83,11 +81,17 @@ class ColourModels:
             raise InputError("ColourModels: there is no model in it; learn one with `gantry learn`")
         if len(set(labels)) != len(labels):
             raise InputError(f"ColourModels: labels must be unique, got {labels}")
+        highest_m = max(model.roof_height_m for model in self.models)
+        if not (self.focal_px > 0 and np.isfinite(self.focal_px) and highest_m < self.height_m < np.inf):
+            raise InputError(
+                f"ColourModels: a camera of focal_px = {self.focal_px} at height_m = {self.height_m} sees no roof"
+            )
 
     def save(self, path: Path) -> None:
-        """Write to a JSON file, one line for each model; histograms as [hue bin, saturation bin, pixels]."""
+        """Write to a JSON file, one line for each model; histograms as [hue bin, saturation bin, parts in 10,000]."""
         lines = b",\n".join(msgspec.json.encode(model, enc_hook=_encode) for model in self.models)
-        path.write_bytes(b'{"models":[\n' + lines + b"\n]}\n")
+        camera = f'"focal_px":{self.focal_px!r},"height_m":{self.height_m!r}'
+        path.write_bytes(f"{{{camera},".encode() + b'"models":[\n' + lines + b"\n]}\n")
 
     @classmethod
     def load(cls, path: Path) -> "ColourModels":
@@ -103,7 +107,7 @@ class ColourModels:
 def _encode(value: Any) -> Any:
     if not isinstance(value, np.ndarray):
         raise NotImplementedError(f"{type(value).__name__} has no JSON form")
-    whole = np.rint(value).astype(np.int64)
+    whole = np.rint(value * PARTS).astype(np.int64)
     return [[hue, saturation, int(whole[hue, saturation])] for hue, saturation in np.argwhere(whole).tolist()]
 
 
@@ -112,5 +116,5 @@ def _decode(_: type, value: Any) -> FloatArray:
     if (bins[:, :2] < 0).any() or (bins[:, :2] >= SHAPE).any():
         raise InputError(f"histogram has a bin outside {SHAPE[0]} x {SHAPE[1]}")
     counts = np.zeros(SHAPE)
-    counts[bins[:, 0], bins[:, 1]] = bins[:, 2]
+    counts[bins[:, 0], bins[:, 1]] = bins[:, 2] / PARTS
     return counts

@@ -11,11 +11,13 @@ from collections.abc import Iterator, Sequence
 import cv2
 import numpy as np
 
-from contracts import Detections, FloatArray, Frame, ImageArray
+from contracts import Camera, Detections, FloatArray, Frame, ImageArray
 from perception.anchor import Anchor, find_anchor
 from perception.colour_models import SHIPPED, ColourModel, ColourModels
 from perception.hue_saturation import back_projection, histogram, hue_saturation_value, ratio_histogram
+from perception.model_views import ModelViews
 from perception.silhouette import Silhouette, silhouette_at
+from perception.view import RoofView
 
 PROPOSALS = 3  # windows looked at per colour before giving up
 DENSITY_MIN = 0.25  # share of the disc that must have the colour
@@ -26,48 +28,62 @@ class HistogramBackProjection:
     """Detector: at most one vehicle per colour and frame; keeps no state.
 
     models: what to look for; those shipped with the package if none are given.
+    camera: whose frames they will be, as well as it is known; if none is given, one like that of the training.
     """
 
-    def __init__(self, models: ColourModels | None = None) -> None:
-        self._models = (models or ColourModels.load(SHIPPED)).models
-        shortest = min(min(model.roof_size_px) for model in self._models)
-        self._stride = max(1, int(shortest / CELLS_ACROSS))
+    def __init__(self, models: ColourModels | None = None, camera: Camera | None = None) -> None:
+        self._models = models or ColourModels.load(SHIPPED)
+        self._views = ModelViews(self._models, camera)
 
     def reset(self) -> None:
         """Nothing to forget."""
 
     def detect(self, frame: Frame) -> Detections:
         """At most one detection per model, in the models' order."""
-        found = [(model, find_anchor(frame.image, outline, model)) for model, outline in self._outlines(frame.image)]
+        found = [
+            (model, find_anchor(frame.image, outline, model, view))
+            for model, view, outline in self._outlines(frame.image)
+        ]
         return detections_of(frame, found)
 
     def silhouettes(self, image: ImageArray) -> dict[str, Silhouette]:
         """The outline of each vehicle that is found in an image (H, W, 3), by its label."""
-        return {model.label: outline for model, outline in self._outlines(image)}
+        return {model.label: outline for model, _, outline in self._outlines(image)}
 
-    def _outlines(self, image: ImageArray) -> Iterator[tuple[ColourModel, Silhouette]]:
-        coarse = hue_saturation_value(image[:: self._stride, :: self._stride].copy())
-        image_histogram = histogram(coarse) * self._stride**2
-        for model in self._models:
-            ratio = ratio_histogram(model.histogram, image_histogram)
-            peaks_px = self._proposals_px(back_projection(coarse, ratio), model)
-            silhouettes = [silhouette_at(image, peak_px, ratio, model) for peak_px in peaks_px]
-            passed = [silhouette for silhouette in silhouettes if silhouette is not None]
+    def _outlines(self, image: ImageArray) -> Iterator[tuple[ColourModel, RoofView, Silhouette]]:
+        views = self._views.of(image)
+        middle = np.array(image.shape[1::-1]) / 2
+        sizes_px = [
+            np.array(model.roof_size_m) * view.at(middle).px_per_m
+            for model, view in zip(self._models.models, views, strict=True)
+        ]
+        stride = max(1, int(min(size.min() for size in sizes_px) / CELLS_ACROSS))
+        coarse = hue_saturation_value(image[::stride, ::stride].copy())
+        image_histogram = histogram(coarse) * stride**2
+        for model, view, size_px in zip(self._models.models, views, sizes_px, strict=True):
+            ratio = ratio_histogram(model.histogram * float(np.prod(size_px)), image_histogram)
+            peaks_px = [peak * stride for peak in _peaks(back_projection(coarse, ratio), size_px / stride)]
+            outlines = [silhouette_at(image, peak_px, ratio, model, view.at(peak_px)) for peak_px in peaks_px]
+            passed = [outline for outline in outlines if outline is not None]
             if passed:
-                yield model, max(passed, key=lambda silhouette: silhouette.area_px)
+                yield model, view, max(passed, key=lambda outline: outline.area_px)
 
-    def _proposals_px(self, likelihood: ImageArray, model: ColourModel) -> list[FloatArray]:
-        """Places (u, v) where a disc of the vehicle's area is best filled with its colour, best first."""
-        radius = float(np.sqrt(np.prod(model.roof_size_px) / np.pi)) / self._stride
-        density = cv2.filter2D(likelihood, cv2.CV_32F, disc(radius), borderType=cv2.BORDER_CONSTANT)
-        peaks: list[FloatArray] = []
-        for _ in range(PROPOSALS):
-            _, value, _, (column, row) = cv2.minMaxLoc(density)
-            if value < DENSITY_MIN * 255:
-                break
-            peaks.append(np.array([column, row], np.float64) * self._stride)
-            cv2.circle(density, (column, row), round(2 * radius), 0.0, thickness=-1)
-        return peaks
+
+def _peaks(likelihood: ImageArray, size: FloatArray) -> list[FloatArray]:
+    """Places (column, row) where a disc of the vehicle's area is best filled with its colour, best first.
+
+    size: (2,) of the roof, in cells of ``likelihood``.
+    """
+    radius = float(np.sqrt(np.prod(size) / np.pi))
+    density = cv2.filter2D(likelihood, cv2.CV_32F, disc(radius), borderType=cv2.BORDER_CONSTANT)
+    peaks: list[FloatArray] = []
+    for _ in range(PROPOSALS):
+        _, value, _, (column, row) = cv2.minMaxLoc(density)
+        if value < DENSITY_MIN * 255:
+            break
+        peaks.append(np.array([column, row], np.float64))
+        cv2.circle(density, (column, row), round(2 * radius), 0.0, thickness=-1)
+    return peaks
 
 
 def disc(radius: float) -> FloatArray:

@@ -8,10 +8,13 @@ import numpy as np
 from contracts import FloatArray, ImageArray, IntArray
 from perception.colour_models import ColourModel
 from perception.hue_saturation import back_projection, hue_saturation_value
+from perception.view import LocalView
 
 MEMBER_MIN = 0.2  # ratio from which a pixel belongs to the vehicle
 REACH = 1.5  # of the window round a proposal, in roof lengths
 CLOSING_PX = 5
+LEAST_PART = 0.5  # a vehicle hidden by so much is still looked for
+MARGIN = 1.25  # a silhouette may be so much larger than a box that looks as big as the model says
 
 
 @dataclass(frozen=True)
@@ -26,6 +29,16 @@ class ShapeGates:
     area_px: tuple[float, float]
     side_ratio: tuple[float, float]
     fill_min: float
+
+    @classmethod
+    def at(cls, view: LocalView, model: ColourModel) -> "ShapeGates":
+        """For a vehicle at a place of the image: from half a roof to a whole one and the walls that lean out of it."""
+        long_px, short_px = (side_m * view.px_per_m for side_m in model.roof_size_m)
+        lean_px = float(np.linalg.norm(view.lean_px))
+        largest_px = long_px * short_px + lean_px * float(np.hypot(long_px, short_px))
+        narrowest = min(short_px / (long_px + lean_px), long_px / (short_px + lean_px))
+        area_px = LEAST_PART * long_px * short_px, MARGIN * largest_px
+        return cls(area_px, (LEAST_PART * narrowest, 1.0), model.fill_min)
 
     def passes(self, silhouette: "Silhouette") -> bool:
         """Whether the outline can be a vehicle's."""
@@ -102,11 +115,13 @@ def silhouette_in(raw: ImageArray, origin_px: IntArray, gates: ShapeGates) -> Si
     return silhouette if gates.passes(silhouette) else None
 
 
-def silhouette_at(image: ImageArray, near_px: FloatArray, ratio: FloatArray, model: ColourModel) -> Silhouette | None:
+def silhouette_at(
+    image: ImageArray, near_px: FloatArray, ratio: FloatArray, model: ColourModel, view: LocalView
+) -> Silhouette | None:
     """The vehicle's outline in the full-resolution window round ``near_px`` (u, v), if one passes the gates."""
-    reach = REACH * max(model.roof_size_px)
+    reach = REACH * model.roof_size_m[0] * view.px_per_m
     low = np.maximum(np.floor(near_px - reach), 0).astype(int)
     high = np.ceil(near_px + reach + 1).astype(int)
     window = image[low[1] : high[1], low[0] : high[0]].copy()
     raw = (back_projection(hue_saturation_value(window), ratio) > MEMBER_MIN * 255).astype(np.uint8)
-    return silhouette_in(raw, low, ShapeGates(model.area_px, model.side_ratio, model.rectangularity_min))
+    return silhouette_in(raw, low, ShapeGates.at(view, model))

@@ -2,7 +2,8 @@
 
 ``bbox`` is the upright box of the visible pixels, ``segmentation`` the roof as a polygon. COCO measures from the
 image's corner, so all coordinates are half a pixel larger than ours. Beside the standard members an annotation says
-``object``, ``roof_height_m`` and ``visible_fraction``, an image ``camera``, ``index`` and ``time_ns``.
+``object``, ``roof_height_m`` and ``visible_fraction``, an image ``camera``, ``index``, ``time_ns``, ``focal_px`` and
+``camera_height_m``.
 """
 
 from collections.abc import Iterator
@@ -34,6 +35,8 @@ class CocoImage:
     camera: str = "coco"
     index: int | None = None
     time_ns: int = 0
+    focal_px: float | None = None
+    camera_height_m: float | None = None
 
 
 @dataclass(frozen=True)
@@ -107,7 +110,16 @@ def coco_file(recording: Recording, directory: Path) -> CocoFile:
 def _image(number: int, view: CameraTruth, camera: Camera) -> CocoImage:
     name = _file_name(view.camera, view.index)
     size = camera.intrinsics.width_px, camera.intrinsics.height_px
-    return CocoImage(number, name, *size, camera=view.camera, index=view.index, time_ns=view.time_ns)
+    return CocoImage(
+        number,
+        name,
+        *size,
+        camera=view.camera,
+        index=view.index,
+        time_ns=view.time_ns,
+        focal_px=camera.intrinsics.fx_px,
+        camera_height_m=float(camera.pose.position_m[2]),
+    )
 
 
 def _annotations(truth: Truth, view: CameraTruth, camera: Camera) -> Iterator[tuple[str, CocoAnnotation]]:

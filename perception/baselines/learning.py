@@ -10,7 +10,7 @@ from perception.baselines.colour_ratio import component_ratios
 from perception.baselines.colours import Bounds, PlainColour, PlainColours
 from perception.baselines.mixture import fit_mixture, log_sum
 from perception.hue_saturation import hue_saturation_value
-from perception.learning import LabelledFrame
+from perception.learning import LEAST_VISIBLE, LabelledFrame
 
 OUTSIDE = 0.01  # share of a roof's pixels left outside at each end of a range
 COMPONENTS = 4
@@ -24,12 +24,12 @@ HUES = 180.0
 def learn_colours(samples: Iterable[LabelledFrame]) -> PlainColours:
     """One colour per label, in alphabetical order.
 
-    samples: frames with the vehicles that can be seen in them. Vehicles that leave the image are not learned from.
+    samples: frames with the vehicles that can be seen in them. Vehicles hidden or cut are not learned from.
     Raises InputError if no sample holds a whole vehicle.
     """
     pixels: dict[str, list[ImageArray]] = {}
     for sample in samples:
-        for row in np.flatnonzero(sample.inside).tolist():
+        for row in np.flatnonzero(sample.inside & (sample.visible_fractions >= LEAST_VISIBLE)).tolist():
             roof = roof_pixels(sample.frame.image, sample.roof_quads_px[row])
             pixels.setdefault(sample.labels[row], []).append(roof)
     if not pixels:

@@ -35,7 +35,7 @@ def changed(path, change):
     return path
 
 
-def test_a_run_gives_its_frames_with_the_roofs_that_are_not_hidden(run, directory):
+def test_a_run_gives_its_frames_with_the_roofs_and_what_shows_of_them(run, directory):
     recording, images = run
     samples = list(labelled_frames(directory))
     assert len(samples) == 8
@@ -43,10 +43,11 @@ def test_a_run_gives_its_frames_with_the_roofs_that_are_not_hidden(run, director
         step, camera = place
         truth = recording.steps[step].truth
         assert same(sample.frame, images[step][camera])
-        assert sample.labels == ("red",)
-        expected = roof_quads_px(truth, recording.manifest.true_cameras[camera])[:1]
+        assert sample.labels == ("red", "blue")
+        assert sample.visible_fractions.tolist() == [1.0, 0.6]
+        expected = roof_quads_px(truth, recording.manifest.true_cameras[camera])
         assert np.abs(sample.roof_quads_px - expected).max() < 1e-9
-        assert sample.heights_m.tolist() == [0.06]
+        assert sample.heights_m.tolist() == [0.06, 0.06]
 
 
 def test_coco_teaches_the_same_as_the_run_that_it_was_exported_from(directory, coco):
@@ -65,9 +66,8 @@ def test_models_are_learned_and_saved(tmp_path):
     learn_models([directory], tmp_path / "model.json")
     models = ColourModels.load(tmp_path / "model.json").models
     assert [model.label for model in models] == ["blue", "red"]
-    expected_px = 500.0 / (2.8 - 0.06) * np.array([0.12, 0.06])
     for model in models:
-        assert np.abs(model.roof_size_px - expected_px).max() < 0.3  # px; the lens bends a little
+        assert np.abs(np.array(model.roof_size_m) - (0.12, 0.06)).max() < 0.0005
         assert abs(model.roof_height_m - 0.06) < 1e-9
 
 
@@ -97,6 +97,7 @@ def test_a_mark_without_outline_counts_as_its_upright_box(coco):
     ("change", "message"),
     [
         (lambda content: content["annotations"][0].pop("roof_height_m"), "annotation 1 lacks roof_height_m"),
+        (lambda content: content["images"][0].pop("focal_px"), "image 1 lacks focal_px and camera_height_m"),
         (lambda content: content["annotations"][0].update(category_id=9), "annotation 1: there is no category 9"),
         (lambda content: content["images"][0].update(file_name="x.png"), r"image 1: .*x\.png is no image"),
         (lambda content: content["images"][0].update(width=1), "320 x 180 pixels, marked as 1 x 180"),

@@ -8,17 +8,16 @@ from perception.anchor import complete_roof
 from perception.colour_models import BOTH, REGIMES, ROUGH, SINGLE, ColourModel
 from perception.hue_saturation import SHAPE
 from perception.roof import Roof
+from perception.view import LocalView
 
-OUTWARD = np.array([1.0, 0.5])
+OUTWARD = LocalView(np.diag([500.0, -500.0]), np.array([-1.0, -0.5]))
+INWARD = replace(OUTWARD, lean_px=-OUTWARD.lean_px)
 MODEL = ColourModel(
     "blue",
     np.ones(SHAPE),
-    (1000.0, 4000.0),
-    (0.3, 1.0),
-    0.7,
-    (68.0, 72.0),
-    (34.0, 36.0),
+    (0.14, 0.07),
     0.06,
+    0.7,
     {BOTH: (0.01, 0.02), SINGLE: (0.25, 0.16), ROUGH: (9.0, 4.0)},
 )
 
@@ -74,7 +73,7 @@ def test_a_roof_too_long_ends_in_a_wall_on_the_inner_side():
     anchor = complete_roof(roof((10, 95), (5, 40)), MODEL, OUTWARD)
     assert anchor.regimes == (SINGLE, BOTH)
     assert anchor.point_px[0] == pytest.approx(95 - 35)
-    mirrored = complete_roof(roof((10, 95), (5, 40)), MODEL, -OUTWARD)
+    mirrored = complete_roof(roof((10, 95), (5, 40)), MODEL, INWARD)
     assert mirrored.point_px[0] == pytest.approx(10 + 35)
 
 

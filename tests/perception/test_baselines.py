@@ -29,7 +29,7 @@ def colours() -> PlainColours:
 
 @every_baseline
 def test_each_drawn_vehicle_is_found_once_within_a_third_of_a_pixel(models, colours, baseline, rng):
-    detector = baseline(models, colours)
+    detector = baseline(models, colours=colours)
     assert isinstance(detector, Detector)
     for _ in range(4):
         drawn = random_boxes(rng, LABELS)
@@ -41,14 +41,14 @@ def test_each_drawn_vehicle_is_found_once_within_a_third_of_a_pixel(models, colo
 @every_baseline
 def test_a_frame_without_vehicles_gives_nothing(models, colours, baseline, rng):
     for image in (floor(rng), np.zeros((90, 160, 3), np.uint8), np.full((3, 2, 3), 255, np.uint8)):
-        assert len(baseline(models, colours).detect(frame_of(image))) == 0
+        assert len(baseline(models, colours=colours).detect(frame_of(image))) == 0
 
 
 @every_baseline
 def test_the_vehicle_is_told_from_smaller_and_larger_things_of_its_colour(models, colours, baseline, rng):
     things = [Box("blue", (80.0, 60.0), size_px=(20.0, 20.0)), Box("blue", (480.0, 80.0), size_px=(240.0, 100.0))]
     box = Box("blue", (300.0, 270.0), heading_rad=0.4)
-    found = baseline(models, colours).detect(frame_of(draw(floor(rng), [*things, box])))
+    found = baseline(models, colours=colours).detect(frame_of(draw(floor(rng), [*things, box])))
     assert found.labels == ("blue",)
     assert np.abs(found.anchors_px[0] - box.centre_px).max() < 0.33
 
@@ -61,7 +61,7 @@ def test_the_shipped_baselines_keep_the_contract_of_a_detector(baseline):
 @every_baseline
 def test_what_is_measured_is_the_mask_itself(models, colours, baseline, rng):
     image = draw(floor(rng), [Box("blue", (300.0, 170.0), heading_rad=0.3)])
-    detector = baseline(models, colours)
+    detector = baseline(models, colours=colours)
     outline = detector.silhouettes(image)["blue"]
     left, top = outline.origin_px
     height, width = outline.raw.shape
@@ -135,7 +135,7 @@ def test_the_shipped_files_know_the_same_colours():
 
 def test_wrong_input_is_refused_by_name(models, colours, tmp_path):
     with pytest.raises(InputError, match="know no red"):
-        ColourRange(models, PlainColours(colours.colours[:1]))
+        ColourRange(models, colours=PlainColours(colours.colours[:1]))
     with pytest.raises(InputError, match="unique"):
         PlainColours(colours.colours + colours.colours)
     with pytest.raises(InputError, match="there is no colour"):

@@ -40,7 +40,6 @@ def test_colours_of_the_background_are_suppressed(rng):
     green, red = (
         late.histogram / np.maximum(early.histogram, 1e-4)
         for early, late in zip(before.models, after.models, strict=True)
-        for early, late in zip(before.models, after.models, strict=True)
     )
     assert green[before.models[0].histogram > 0.4].min() < 0.8
     assert np.abs(red[before.models[1].histogram > 0.4] - 1).max() < 0.01

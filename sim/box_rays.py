@@ -12,7 +12,8 @@ from sim.renderer import Window
 
 Array32 = NDArray[np.float32]
 _NOT_ZERO = np.float32(1e-9)
-_SKIN_M = np.float32(1e-3)  # a beam must run this far inside a box to be stopped: points on its surface are lit
+CORNERS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])  # of a box, in half sizes
+SKIN_M = 1e-3  # a beam must run this far inside a box to be stopped: points on its surface are lit
 
 
 # Where pixels are looked at, (u, v) from the centre: the centre itself, which decides identities, and the four places
@@ -30,16 +31,15 @@ class Box:
 
     @property
     def corners_m(self) -> FloatArray:
-        """(8, 3) world."""
-        signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-        return np.asarray((signs * self.half_m) @ self.world_from_box.T + self.centre_m)
+        """(8, 3) world, in the order of ``CORNERS``."""
+        return np.asarray((CORNERS * self.half_m) @ self.world_from_box.T + self.centre_m)
 
 
 @dataclass(frozen=True, eq=False)
 class Rays:
     """Rays through the samples of a window of a pinhole's image, depth 1 along the axis; seen from one box.
 
-    direction: three arrays (S, h, w). origin: (3,). Both in the box's axes, from its centre.
+    direction: three arrays (...). origin: (3,). Both in the box's axes, from its centre.
     """
 
     direction: tuple[Array32, Array32, Array32]
@@ -56,29 +56,18 @@ def boxes_of(state: Truth) -> list[Box]:
     return boxes
 
 
-def window_of(camera: Camera, points_m: FloatArray) -> Window | None:
-    """The part of a pinhole's image that holds all ``points_m`` (N, 3) and a pixel around; None if it is empty."""
-    numbers, pose = camera.intrinsics, camera.pose
-    in_camera = (points_m - pose.position_m) @ pose.world_from_camera
-    near = 0.05
-    if in_camera[:, 2].max() < near:
-        return None
-    if in_camera[:, 2].min() < near:  # partly behind the camera: it may show anywhere
-        return slice(0, numbers.height_px), slice(0, numbers.width_px)
-    u = in_camera[:, 0] / in_camera[:, 2] * numbers.fx_px + numbers.cx_px
-    v = in_camera[:, 1] / in_camera[:, 2] * numbers.fy_px + numbers.cy_px
-    left, right = max(0, int(np.floor(u.min())) - 1), min(numbers.width_px, int(np.ceil(u.max())) + 2)
-    top, bottom = max(0, int(np.floor(v.min())) - 1), min(numbers.height_px, int(np.ceil(v.max())) + 2)
-    return (slice(top, bottom), slice(left, right)) if left < right and top < bottom else None
-
-
 def rays_through(camera: Camera, window: Window, box: Box, samples_px: FloatArray = SAMPLES_PX) -> Rays:
     """The rays of ``window`` in the axes of ``box``."""
-    numbers, pose = camera.intrinsics, camera.pose
     u = np.arange(window[1].start, window[1].stop) + samples_px[:, :1]  # (S, w)
     v = np.arange(window[0].start, window[0].stop) + samples_px[:, 1:]  # (S, h)
-    x = ((u - numbers.cx_px) / numbers.fx_px).astype(np.float32)[:, None, :]
-    y = ((v - numbers.cy_px) / numbers.fy_px).astype(np.float32)[:, :, None]
+    return rays_at(camera, u[:, None, :], v[:, :, None], box)
+
+
+def rays_at(camera: Camera, u_px: FloatArray, v_px: FloatArray, box: Box) -> Rays:
+    """The rays through pixels u, v, which together have any shape (...), in the axes of ``box``."""
+    numbers, pose = camera.intrinsics, camera.pose
+    x = ((u_px - numbers.cx_px) / numbers.fx_px).astype(np.float32)
+    y = ((v_px - numbers.cy_px) / numbers.fy_px).astype(np.float32)
     turn = box.world_from_box.T @ pose.world_from_camera
     axes = [np.float32(a) * x + (np.float32(b) * y + np.float32(c)) for a, b, c in turn]
     for along in axes:
@@ -88,7 +77,10 @@ def rays_through(camera: Camera, window: Window, box: Box, samples_px: FloatArra
 
 
 def seen(rays: Rays, box: Box) -> tuple[Array32, NDArray[np.uint8]]:
-    """Depth (S, h, w) at which each ray enters the box, infinite where it misses; the axis of the face it enters."""
+    """Depth (...) at which each ray enters the box, infinite where it misses; the axis of the face it enters.
+
+    What ``sim.box_faces`` says faster of whole windows, one ray at a time.
+    """
     entry, leave = None, None
     axis = np.zeros(rays.direction[0].shape, np.uint8)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -109,7 +101,7 @@ def seen(rays: Rays, box: Box) -> tuple[Array32, NDArray[np.uint8]]:
 
 
 def shaded(rays: Rays, depth_m: Array32, box: Box, beam: Beam) -> NDArray[np.bool_]:
-    """Whether the box keeps the beam from the points at ``depth_m`` (S, h, w) along the rays."""
+    """Whether the box keeps the beam from the points at ``depth_m`` (...) along the rays."""
     to_light = box.world_from_box.T @ -beam.direction
     to_light = np.where(np.abs(to_light) < _NOT_ZERO, _NOT_ZERO, to_light)
     entry, leave = np.float32(-np.inf), np.float32(np.inf)
@@ -117,4 +109,4 @@ def shaded(rays: Rays, depth_m: Array32, box: Box, beam: Beam) -> NDArray[np.boo
         middle = (along * depth_m + np.float32(start)) * np.float32(-1.0 / slope)
         reach = np.float32(half / abs(slope))
         entry, leave = np.maximum(entry, middle - reach), np.minimum(leave, middle + reach)
-    return np.asarray(leave - np.maximum(entry, 0) > _SKIN_M)
+    return np.asarray(leave - np.maximum(entry, 0) > SKIN_M)

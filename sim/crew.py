@@ -109,7 +109,7 @@ class _Worker:
         """What the worker's cameras made of the oldest state under way."""
         try:
             answer: list[Take] | GantryError = self.inbox.recv()
-        except EOFError as error:
+        except (EOFError, ConnectionResetError) as error:
             raise GantryError(f"a film process ended with exit status {self._process.exitcode}") from error
         if isinstance(answer, GantryError):
             raise answer

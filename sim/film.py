@@ -38,13 +38,14 @@ class CameraFilm:
         self._keep_instances = keep_instances
         self._still: ImageArray | None = None
         self._still_developed: ImageArray = np.empty((0, 0, 3), np.uint8)
+        self._canvas, self._dirty = self._still_developed, tuple[Window, ...]()
         size = camera.intrinsics
         self._sensor = Sensor(sensor, camera.name, size.width_px, size.height_px, noise_seed)
 
     def shoot(self, state: Truth) -> tuple[Frame, CameraTruth]:
         """The frame whose mid-exposure is ``state``, and its truth."""
         rendered = self._exposed(state)
-        windows = [self._lens.bent_window(window) for window in rendered.windows]
+        windows = self._lens.bent_windows(rendered.windows)
         image = self._sensor.grain(self._developed(rendered, windows), state.index)
         frame = Frame(self._camera.name, state.index, state.time_ns, image)
         instances = self._bent_instances(rendered, windows)
@@ -57,19 +58,24 @@ class CameraFilm:
         return mean_picture(middle, [self._renderer.render(moment, self._camera.name) for moment in moments])
 
     def _developed(self, rendered: Rendered, windows: Sequence[Window]) -> ImageArray:
-        """The picture through lens and defocus; outside of ``windows`` it stands still and has been through before."""
+        """The picture through lens and defocus; outside of ``windows`` it stands still and has been through before.
+
+        It is the film's own and lasts until the next one.
+        """
         if rendered.still is None:
             return self._sensor.focus(self._lens.bend(rendered.image))
         if rendered.still is not self._still:
             self._still, self._still_developed = rendered.still, self._sensor.focus(self._lens.bend(rendered.still))
-        image = self._still_developed.copy()
-        for window in windows:
-            inner = _grown(window, self._sensor.reach_px, image.shape)
-            outer = _grown(inner, self._sensor.reach_px, image.shape)
-            if image[inner].size:
+            self._canvas, self._dirty = self._still_developed.copy(), ()
+        for window in self._dirty:
+            self._canvas[window] = self._still_developed[window]
+        self._dirty = tuple(_grown(window, self._sensor.reach_px, self._canvas.shape) for window in windows)
+        for inner in self._dirty:
+            outer = _grown(inner, self._sensor.reach_px, self._canvas.shape)
+            if self._canvas[inner].size:
                 part = self._sensor.focus(self._lens.bend(rendered.image, outer))
-                image[inner] = part[_inside(inner, outer)]
-        return image
+                self._canvas[inner] = part[_inside(inner, outer)]
+        return self._canvas
 
     def _bent_instances(self, rendered: Rendered, windows: Sequence[Window]) -> ImageArray:
         if rendered.still is None:

@@ -1,5 +1,7 @@
 """One camera of the layered renderer: what is kept of the empty scene, and the vehicles that are laid on it."""
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -7,31 +9,38 @@ from numpy.typing import NDArray
 from contracts import Camera, FloatArray, ImageArray
 from contracts.truth import Truth
 from sim.backdrop import Backdrop, Backdrops, film_depth
-from sim.box_rays import SAMPLES_PX, Array32, Box, boxes_of, rays_through, seen, shaded, window_of
+from sim.box_faces import faces_of, nearness_in
+from sim.box_rays import SAMPLES_PX, Array32, Box, boxes_of, rays_at, shaded
+from sim.box_shadow import BoxShadow
 from sim.lights import Light, ShadowBand
-from sim.paint import FACES, mean_of_samples, paint_table
+from sim.outlines import covered, window_around
+from sim.paint import FACES, darkened, paint_table, painted
 from sim.renderer import Rendered, Window
-from sim.scene import FLOOR_Z_M, Scene
-from sim.shade import along_beam, world_points
+from sim.scene import Scene
+from sim.shade import along_beam, mixed, world_points
+from sim.skyline import Skyline
 from sim.stage import Stage
 
-_SAME_DEPTH_M = np.float32(1e-5)  # of boxes that run into each other the first one shows
+_NEARER = np.float32(1.0 - 4e-6)  # of boxes that run into each other the first one shows
 _COLOURS = slice(1, 5)  # the samples that decide colours; sample 0, the pixel's centre, decides identities
 
 
 class LayeredView:
     """Pictures of one camera. Between frames the buffers hold the empty scene.
 
-    depth: (S, H, W) of the nearest surface at each of ``SAMPLES_PX``, metres.
+    near: (S, H, W) one over the depth in metres of the nearest surface at each of ``SAMPLES_PX``.
     owner: (S, H, W) 0 for the scene, 1 + FACES * row + axis for a vehicle's face.
     shade: (S, H, W) bit b is set where a vehicle keeps beam b away.
     """
 
     def __init__(self, camera: Camera, scene: Scene, stage: Stage) -> None:
         self._camera = camera
-        self._depth = film_depth(stage, camera)
-        self._owner = np.zeros(self._depth.shape, np.uint16)
-        self._shade = np.zeros(self._depth.shape, np.uint8)
+        depth_m = film_depth(stage, camera)
+        self._skyline = Skyline(camera, depth_m)
+        self._near = np.float32(1.0) / depth_m
+        self._owner = np.zeros(depth_m.shape, np.uint16)
+        self._shade = np.zeros(depth_m.shape, np.uint8)
+        self._before: list[tuple[Window, Array32]] = []  # how near the scene was where vehicles now are
         self._backdrops = Backdrops(camera, scene, stage)
         self._across: tuple[tuple[float, float, float], Array32] | None = None
 
@@ -41,90 +50,134 @@ class LayeredView:
         image = self._background(backdrop, light)
         instances = np.zeros(image.shape[:2], np.uint8)
         boxes = boxes_of(state)
-        windows = [window_of(self._camera, _reached(box, light)) for box in boxes]
-        touched = [window for window in windows if window is not None]
-        before = [self._depth[(slice(None), *window)].copy() for window in touched]
-        for row, box in enumerate(boxes):
-            self._place(row, box)
-        for row, (box, window) in enumerate(zip(boxes, windows, strict=True)):
-            if window is not None:
-                self._cast(row, box, window, light)
+        bodies = [self._place(row, box) for row, box in enumerate(boxes)]
+        shadows = [self._cast(row, box, light) for row, box in enumerate(boxes)]
+        touched = _united(bodies, shadows)
         table = paint_table(state, boxes, light, self._camera)
         for window in touched:
             image[window] = self._resolved(window, backdrop, table, light)
             instances[window] = (self._owner[0][window] + (FACES - 1)) // FACES
-        for window, depth in zip(reversed(touched), reversed(before), strict=True):
-            everywhere = (slice(None), *window)
-            self._owner[everywhere], self._shade[everywhere], self._depth[everywhere] = 0, 0, depth
+        self._clear(touched)
         changes = light.factor != 1.0 or light.band is not None
         return Rendered(image, instances, None if changes else backdrop.lit, tuple(touched))
 
-    def _place(self, row: int, box: Box) -> None:
-        """Let a vehicle own the samples at which it is nearest."""
-        window = window_of(self._camera, box.corners_m)
+    def _place(self, row: int, box: Box) -> Window | None:
+        """Let a vehicle own the samples at which it is nearest; the window in which it may be."""
+        faces = faces_of(box, self._camera)
+        window = window_around(self._camera, faces.points_px)
         if window is None:
-            return
+            return None
         everywhere = (slice(None), *window)
-        depth, axis = seen(rays_through(self._camera, window, box), box)
-        nearest = depth < self._depth[everywhere] - _SAME_DEPTH_M
-        np.copyto(self._depth[everywhere], depth, where=nearest)
-        np.copyto(self._owner[everywhere], axis + np.uint16(1 + FACES * row), where=nearest)
+        near, owner = self._near[everywhere], self._owner[everywhere]
+        self._before.append((window, near.copy()))
+        covers = covered(faces.outlines_px, window, SAMPLES_PX)  # (F, S, h, w)
+        entry = nearness_in(faces, window, SAMPLES_PX)
+        nearest = covers.any(axis=0)
+        nearest &= entry * _NEARER > near
+        np.copyto(near, entry, where=nearest)
+        for axis, face in zip(faces.axes, covers, strict=True):
+            np.copyto(owner, np.uint16(1 + FACES * row + axis), where=face & nearest)
+        return window
 
-    def _cast(self, row: int, box: Box, window: Window, light: Light) -> None:
-        """Mark the samples that a vehicle keeps a beam from; its own faces know by themselves how they are turned."""
-        if not light.beams:
-            return
-        samples = (_COLOURS, *window)
-        rays = rays_through(self._camera, window, box, SAMPLES_PX[_COLOURS])
-        others = (self._owner[samples] + np.uint16(FACES - 1)) // np.uint16(FACES) != row + 1
+    def _cast(self, row: int, box: Box, light: Light) -> list[Window]:
+        """Mark the samples from which a vehicle keeps each beam; the windows in which they may be.
+
+        Its own faces know by themselves how they are turned.
+        """
+        windows = []
         for bit, beam in enumerate(light.beams):
-            self._shade[samples] |= (shaded(rays, self._depth[samples], box, beam) & others).view(np.uint8) << bit
+            shadow = BoxShadow(box, beam, self._camera)
+            outline = shadow.outline_px()
+            window = window_around(self._camera, outline)
+            if window is not None:
+                windows.append(window)
+                self._shade[(_COLOURS, *window)] |= self._shaded(row, shadow, outline, window).view(np.uint8) << bit
+        return windows
 
-    def _resolved(self, window: Window, backdrop: Backdrop, table: Array32, light: Light) -> NDArray[np.uint8]:
-        """The colours (h, w, 3) of a window: the mean of four samples, each of the scene or of a face."""
-        owner, shade = self._owner[(_COLOURS, *window)], self._shade[(_COLOURS, *window)]
-        shares = [share[window] for share in backdrop.shares]
-        image = mean_of_samples(
-            owner, shade, scene=backdrop.lit[window], shares=shares, table=table, factor=light.factor
+    def _shaded(self, row: int, shadow: BoxShadow, outline: FloatArray, window: Window) -> NDArray[np.bool_]:
+        """Which samples (S, h, w) of a window lie in the shadow of vehicle ``row``; ``outline`` holds them all."""
+        owner, near = self._owner[(_COLOURS, *window)], self._near[(_COLOURS, *window)]
+        inner = shadow.sure_px(self._skyline.below_m(window))
+        possible, *certain = covered((outline, *inner), window, SAMPLES_PX[_COLOURS])
+        shade = np.logical_and.reduce([owner == 0, *certain]) if certain else np.zeros(owner.shape, np.bool_)
+        possible &= ~shade
+        possible &= owner - np.uint16(1 + FACES * row) >= FACES  # not its own: numbers below wrap round
+        open_ = np.flatnonzero(possible)
+        sample, pixel = np.divmod(open_, possible[0].size)
+        v, u = np.divmod(pixel, possible.shape[2])
+        rays = rays_at(
+            self._camera,
+            u + window[1].start + SAMPLES_PX[_COLOURS][sample, 0],
+            v + window[0].start + SAMPLES_PX[_COLOURS][sample, 1],
+            shadow.box,
         )
-        if light.band is not None:
-            dark = np.full_like(shade, (1 << len(light.beams)) - 1)
-            unlit = mean_of_samples(
-                owner, dark, scene=backdrop.unlit[window], shares=(), table=table, factor=light.factor
-            )
-            weight = self._band_shade(window, light.band, light)[..., None]
-            image += (unlit - image) * weight
-        return np.rint(image).astype(np.uint8)
+        shade.reshape(-1)[open_] = shaded(rays, np.float32(1.0) / near[sample, v, u], shadow.box, shadow.beam)
+        return shade
+
+    def _clear(self, touched: Sequence[Window]) -> None:
+        """Leave the empty scene behind."""
+        for window in touched:
+            self._owner[(slice(None), *window)] = 0
+            self._shade[(slice(None), *window)] = 0
+        while self._before:
+            window, near = self._before.pop()
+            self._near[(slice(None), *window)] = near
+
+    def _resolved(self, window: Window, backdrop: Backdrop, table: Array32, light: Light) -> ImageArray:
+        """The colours (h, w, 3) of a window: the mean of four samples, each of the scene or of a face."""
+        combinations = np.uint16(table.shape[1])
+        code = self._owner[(_COLOURS, *window)] * combinations
+        lit = [
+            _exposed(picture, light)
+            for picture in darkened(backdrop.lit[window], [share[window] for share in backdrop.shares])
+        ]
+        image = painted(code | self._shade[(_COLOURS, *window)], lit, table)
+        if light.band is None:
+            return image
+        unlit = painted(code // combinations, [_exposed(backdrop.unlit[window], light)], table[:, -1:])
+        return mixed(image, unlit, self._band_shade(window, light.band, light))
 
     def _background(self, backdrop: Backdrop, light: Light) -> ImageArray:
         """The empty scene, a fresh picture."""
-        image = backdrop.lit.copy()
-        if light.factor != 1.0:
-            cv2.convertScaleAbs(backdrop.lit, image, alpha=light.factor)
         if light.band is not None:
             weight = light.band.profile(self._coordinate(light.band, light))
-            image = np.asarray(cv2.blendLinear(backdrop.unlit, backdrop.lit, weight, 1.0 - weight), np.uint8)
-        return image
+            image = cv2.blendLinear(backdrop.unlit, backdrop.lit, weight, 1.0 - weight)
+            return _exposed(np.asarray(image, np.uint8), light)
+        image = _exposed(backdrop.lit, light)
+        return image.copy() if image is backdrop.lit else image
 
     def _band_shade(self, window: Window, band: ShadowBand, light: Light) -> FloatArray:
         """How much of the beams the band takes away at what now shows in the window, (h, w)."""
-        points = world_points(self._camera, self._depth[0][window], top_px=window[0].start, left_px=window[1].start)
+        depth_m = np.float32(1.0) / self._near[0][window]
+        points = world_points(self._camera, depth_m, top_px=window[0].start, left_px=window[1].start)
         return band.shade(along_beam(points, light.beams[0]))
 
     def _coordinate(self, band: ShadowBand, light: Light) -> Array32:
         """The empty scene's coordinate across the band, (H, W); kept, since bands move but do not turn."""
         key = (band.across_rad, light.beams[0].azimuth_rad, light.beams[0].elevation_rad)
         if self._across is None or self._across[0] != key:
-            ground = along_beam(world_points(self._camera, self._depth[0]), light.beams[0])
+            ground = along_beam(world_points(self._camera, np.float32(1.0) / self._near[0]), light.beams[0])
             self._across = (key, band.coordinate(ground).astype(np.float32))
         return self._across[1]
 
 
-def _reached(box: Box, light: Light) -> FloatArray:
-    """Points (N, 3) around all that a vehicle can change: its box and its shadows on the ground."""
-    corners = box.corners_m
-    floor = np.array([0.0, 0.0, FLOOR_Z_M])
-    shadows = [
-        np.column_stack([along_beam(corners - floor, beam), np.full(len(corners), FLOOR_Z_M)]) for beam in light.beams
-    ]
-    return np.concatenate([corners, *shadows])
+def _exposed(picture: ImageArray, light: Light) -> ImageArray:
+    """A picture, or a part of one, in the light's strength."""
+    if light.factor == 1.0:
+        return picture
+    return np.asarray(cv2.convertScaleAbs(picture, alpha=light.factor), np.uint8)
+
+
+def _united(bodies: Sequence[Window | None], shadows: Sequence[Sequence[Window]]) -> list[Window]:
+    """For each vehicle that the picture shows something of, the smallest window around it and its shadows."""
+    united = []
+    for body, cast in zip(bodies, shadows, strict=True):
+        parts = [*cast] if body is None else [body, *cast]
+        if parts:
+            rows, columns = zip(*parts, strict=True)
+            united.append((_around(rows), _around(columns)))
+    return united
+
+
+def _around(ranges: Sequence[slice]) -> slice:
+    return slice(min(part.start for part in ranges), max(part.stop for part in ranges))

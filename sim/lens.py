@@ -1,5 +1,6 @@
 """The lens: an oversized pinhole image bent as Brown's model says; image and masks alike."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -14,6 +15,7 @@ from sim.renderer import Window
 _MARGIN_PX = 2  # for the bilinear neighbours
 EVERYWHERE: Window = (slice(None), slice(None))
 _EDGE_POINTS = 5  # along each side of a window
+_ALONG = np.linspace(0.0, 1.0, _EDGE_POINTS)
 _NO_WEIGHTS = np.empty(0, np.uint16)
 
 
@@ -71,19 +73,23 @@ class Lens:
             return mask[window]
         return np.asarray(cv2.remap(mask, self.nearest[window], _NO_WEIGHTS, interpolation=cv2.INTER_NEAREST), np.uint8)
 
-    def bent_window(self, window: Window) -> Window:
-        """The part of the bent image that may show something of ``window`` of the pinhole image."""
-        if self.bent_to_pinhole is None:
-            return window
-        (rows, columns), pinhole = window, self.pinhole
-        x = (np.linspace(columns.start - 1, columns.stop, _EDGE_POINTS) - pinhole.cx_px) / pinhole.fx_px
-        y = (np.linspace(rows.start - 1, rows.stop, _EDGE_POINTS) - pinhole.cy_px) / pinhole.fy_px
-        grid = np.stack([*np.meshgrid(x, y), np.ones((_EDGE_POINTS, _EDGE_POINTS))], axis=-1).reshape(-1, 3)
-        bent, _ = cv2.projectPoints(grid, np.zeros(3), np.zeros(3), self.bent.matrix, self.bent.distortion)
-        width, height = self.bent.width_px, self.bent.height_px
-        low = np.clip(np.floor(bent.reshape(-1, 2).min(axis=0)).astype(int) - 1, 0, (width, height))
-        high = np.clip(np.ceil(bent.reshape(-1, 2).max(axis=0)).astype(int) + 2, 0, (width, height))
-        return slice(low[1], high[1]), slice(low[0], high[0])
+    def bent_windows(self, windows: Sequence[Window]) -> list[Window]:
+        """The parts of the bent image that may show something of parts of the pinhole image."""
+        if self.bent_to_pinhole is None or not windows:
+            return list(windows)
+        pinhole = self.pinhole
+        bounds = np.array([(c.start - 1, c.stop, r.start - 1, r.stop) for r, c in windows], np.float64)  # (N, 4)
+        edges = bounds[:, 0::2, None] + (bounds[:, 1::2] - bounds[:, 0::2])[..., None] * _ALONG  # (N, 2, E)
+        rays = np.ones((len(windows), _EDGE_POINTS, _EDGE_POINTS, 3))
+        rays[..., 0] = (edges[:, 0, None, :] - pinhole.cx_px) / pinhole.fx_px
+        rays[..., 1] = (edges[:, 1, :, None] - pinhole.cy_px) / pinhole.fy_px
+        matrix, distortion = self.bent.matrix, self.bent.distortion
+        bent = cv2.projectPoints(rays.reshape(-1, 3), np.zeros(3), np.zeros(3), matrix, distortion)[0]
+        bent = bent.reshape(len(windows), -1, 2)
+        size = (self.bent.width_px, self.bent.height_px)
+        low = np.clip(np.floor(bent.min(axis=1)).astype(int) - 1, 0, size).tolist()
+        high = np.clip(np.ceil(bent.max(axis=1)).astype(int) + 2, 0, size).tolist()
+        return [(slice(v0, v1), slice(u0, u1)) for (u0, v0), (u1, v1) in zip(low, high, strict=True)]
 
 
 def pinhole_camera(camera: Camera, lens: Lens) -> Camera:

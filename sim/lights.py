@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
@@ -38,13 +39,14 @@ class Beam:
     elevation_rad: float
     rgb: Rgb
 
-    @property
+    @cached_property
     def direction(self) -> FloatArray:
-        """(3,) unit vector in which the light travels, world."""
+        """(3,) unit vector in which the light travels, world; read-only."""
         level = math.cos(self.elevation_rad)
-        return -np.array(
-            [level * math.cos(self.azimuth_rad), level * math.sin(self.azimuth_rad), math.sin(self.elevation_rad)]
-        )
+        towards = [level * math.cos(self.azimuth_rad), level * math.sin(self.azimuth_rad), math.sin(self.elevation_rad)]
+        direction = -np.array(towards)
+        direction.setflags(write=False)
+        return direction
 
 
 @dataclass(frozen=True)

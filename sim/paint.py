@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,43 +22,50 @@ def paint_table(state: Truth, boxes: Sequence[Box], light: Light, camera: Camera
     """
     dark_of = np.arange(1 << len(light.beams))  # (2^B,)
     table = np.zeros((1 + FACES * len(boxes), len(dark_of), 3))
-    for row, box in enumerate(boxes):
-        albedo = np.array(Colour(state.labels[row]).srgb[::-1]) * light.factor  # BGR, 255 for white
-        towards_camera = np.where(box.world_from_box.T @ (camera.pose.position_m - box.centre_m) > 0, 1.0, -1.0)
-        normals = (box.world_from_box * towards_camera).T  # (FACES, 3) world
-        parts = slice(1 + FACES * row, 1 + FACES * (row + 1))
-        upward = np.maximum(normals[:, 2:], 0.0)
-        base = np.rint(albedo * (np.array(light.ambient[::-1]) + upward * np.array(light.sky[::-1])))  # (FACES, 3)
-        table[parts] = base[:, None]
-        for bit, beam in enumerate(light.beams):
-            facing = np.maximum(normals @ -beam.direction, 0.0)[:, None]
-            reaches = (dark_of >> bit & 1 == 0)[:, None]  # (2^B, 1)
-            table[parts] += np.rint(albedo * facing * np.array(beam.rgb[::-1]))[:, None] * reaches
+    if not boxes:
+        return table.astype(np.float32)
+    albedo = light.factor * np.array(
+        [Colour(label).srgb[::-1] for label in state.labels], np.float64
+    )  # BGR, 255: white
+    albedo = albedo.repeat(FACES, axis=0)  # (FACES N, 3)
+    turns = np.stack([box.world_from_box for box in boxes])  # (N, 3, 3)
+    eyes = camera.pose.position_m - np.stack([box.centre_m for box in boxes])
+    towards_camera = np.where(np.einsum("nij,ni->nj", turns, eyes) > 0, 1.0, -1.0)
+    normals = (turns * towards_camera[:, None]).transpose(0, 2, 1).reshape(-1, 3)  # (FACES N, 3) world
+    upward = np.maximum(normals[:, 2:], 0.0)
+    table[1:] = np.rint(albedo * (np.array(light.ambient[::-1]) + upward * np.array(light.sky[::-1])))[:, None]
+    for bit, beam in enumerate(light.beams):
+        facing = np.maximum(normals @ -beam.direction, 0.0)[:, None]
+        reaches = (dark_of >> bit & 1 == 0)[:, None]  # (2^B, 1)
+        table[1:] += np.rint(albedo * facing * np.array(beam.rgb[::-1]))[:, None] * reaches
     return np.minimum(table, 255.0).astype(np.float32)
 
 
-def mean_of_samples(
-    owner: NDArray[np.uint16],
-    shade: NDArray[np.uint8],
-    *,
-    scene: ImageArray,
-    shares: Sequence[ImageArray],
-    table: Array32,
-    factor: float,
-) -> Array32:
-    """Colours (h, w, 3) of pixels whose samples (S, h, w) show the scene (owner 0) or faces of the paint table.
+def darkened(lit: ImageArray, shares: Sequence[ImageArray]) -> list[ImageArray]:
+    """A picture without some of its beams, by the bits of those that are kept away; ``shares``: what each brings."""
+    pictures = [lit]
+    for share in shares:
+        pictures += [np.asarray(cv2.subtract(picture, share), np.uint8) for picture in pictures]
+    return pictures
 
-    scene: (h, w, 3) under all the light that there is; shares: what of it each beam brings, by bit of ``shade``.
+
+def painted(code: NDArray[np.uint16], scene: Sequence[ImageArray], table: Array32) -> ImageArray:
+    """Colours (h, w, 3) of pixels whose samples (S, h, w) show the scene or faces; the mean of the samples.
+
+    code: owner times 2^B plus the bits of the beams that are kept away. scene: the scene's picture for all such bits.
     """
-    code = owner * np.uint16(table.shape[1]) + shade
-    touched = np.nonzero(code.any(axis=0))  # (T,) pixels; all others show nothing but the scene
-    image = scene * np.float32(factor)
-    samples = code[:, touched[0], touched[1]]  # (S, T)
-    free, bits = samples < table.shape[1], samples % np.uint16(table.shape[1])
-    colour = table.reshape(-1, 3).take(samples, axis=0).sum(axis=0)  # (T, 3)
-    colour += free.sum(axis=0, dtype=np.float32)[:, None] * image[touched]
-    for bit, share in enumerate(shares):
-        dark = (free & (bits >> bit & 1 == 1)).sum(axis=0, dtype=np.float32)
-        colour -= dark[:, None] * share[touched] * np.float32(factor)
-    image[touched] = colour / np.float32(len(owner))
+    colours, combinations = table.reshape(-1, 3), table.shape[1]
+    image = scene[0].copy()
+    first = code[0]
+    alike = (code[1:] == first).all(axis=0)
+    for bits in range(1, combinations):
+        cv2.copyTo(scene[bits], (alike & (first == bits)).view(np.uint8), image)
+    faces = colours.astype(np.uint8).take(first, axis=0)
+    cv2.copyTo(faces, (alike & (first >= combinations)).view(np.uint8), image)
+    mixed = np.flatnonzero(~alike)  # (M,) pixels
+    samples = code.reshape(len(code), -1)[:, mixed]  # (S, M)
+    total = colours.take(samples, axis=0).sum(axis=0)  # (M, 3)
+    for bits, picture in enumerate(scene):
+        total += (samples == bits).sum(axis=0, dtype=np.float32)[:, None] * picture.reshape(-1, 3)[mixed]
+    image.reshape(-1, 3)[mixed] = np.rint(total / np.float32(len(code)))
     return image

@@ -66,13 +66,13 @@ class Sensor:
         return image
 
     def grain(self, image: ImageArray, index: int) -> ImageArray:
-        """The image with the noise of frame ``index``.
+        """A fresh image with the noise of frame ``index``.
 
         It is a pool of noise, shifted at random: fresh normal noise would cost more than the rest of the frame.
         """
         if not self._spec.noise:
-            return image
+            return image.copy()
         top, left = stream(self._seed, f"{self._concern}/{index}").integers(0, _POOL_SPARE_PX, 2)
         window = np.s_[top : top + image.shape[0], left : left + image.shape[1]]
-        noisy = cv2.subtract(cv2.add(image, self._brighter[window]), self._darker[window])
-        return np.asarray(noisy, np.uint8)
+        noisy = cv2.add(image, self._brighter[window])
+        return np.asarray(cv2.subtract(noisy, self._darker[window], dst=noisy), np.uint8)

@@ -3,18 +3,21 @@
 import cv2
 import numpy as np
 import pytest
-from film_cases import state
-from hypothesis import given
+from film_cases import camera, state
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from contracts import InputError, SwitchState
 from contracts.truth import Truth
 from scenarios.plant_file import load_plant
-from sim.box_rays import SAMPLES_PX, Box, boxes_of, rays_through, seen, shaded
+from sim.box_faces import faces_of, nearness_in
+from sim.box_rays import SAMPLES_PX, Box, boxes_of, rays_at, rays_through, seen, shaded
+from sim.box_shadow import BoxShadow
 from sim.full_renderer import FullRenderer
 from sim.layered_renderer import LayeredRenderer
 from sim.lens import Lens, pinhole_camera
 from sim.lights import Beam, LightPreset
+from sim.outlines import NEAR_M, covered, window_around
 from sim.plant_scene import scene_of_plant
 from sim.rig import CameraSpec, Departure, RigSpec, true_cameras
 
@@ -103,6 +106,67 @@ def test_what_a_ray_sees_lies_on_the_surface_of_the_box(x, y, heading, length):
     assert overshoot[:, hit].max(initial=-1.0) < 1e-5
     on_face = np.abs(np.take_along_axis(overshoot, axis[None].astype(int), axis=0)[0])
     assert on_face[hit].max(initial=0.0) < 1e-5
+
+
+@st.composite
+def cameras_and_boxes(draw):
+    """A camera that looks at any angle, and an upright box before, beside or around its plane."""
+    tilt_deg, azimuth_deg = draw(st.floats(0.0, 85.0)), draw(st.floats(-180.0, 180.0))
+    eye = camera(
+        width_px=96, height_px=64, focal_px=draw(st.floats(40.0, 400.0)), tilt_deg=tilt_deg, azimuth_deg=azimuth_deg
+    )
+    x, y, heading = draw(st.floats(-1.5, 1.5)), draw(st.floats(-1.5, 1.5)), draw(st.floats(-3.2, 3.2))
+    half = np.array([draw(st.floats(0.01, 0.6)) for _ in range(3)])
+    turn = np.array([[np.cos(heading), -np.sin(heading), 0], [np.sin(heading), np.cos(heading), 0], [0, 0, 1.0]])
+    return eye, Box(np.array([x, y, half[2]]), half, turn)
+
+
+ALL_OF_IT = (slice(0, 64), slice(0, 96))
+
+
+@settings(deadline=None, max_examples=60)
+@given(cameras_and_boxes())
+def test_outlines_of_faces_hold_the_samples_whose_rays_meet_the_box(case):
+    eye, box = case
+    inside = np.abs((eye.pose.position_m - box.centre_m) @ box.world_from_box) < box.half_m + 1e-3
+    assume(not inside.all())
+    depth, axis = seen(rays_through(eye, ALL_OF_IT, box), box)
+    slow = np.where(np.isfinite(depth) & (depth > NEAR_M), axis + 1, 0)
+    faces = faces_of(box, eye)
+    fast = np.zeros_like(slow)
+    for face_axis, face in zip(
+        faces.axes, covered(faces.outlines_px, ALL_OF_IT, SAMPLES_PX) if faces.axes else [], strict=True
+    ):
+        fast[face] = face_axis + 1
+    assert (fast != slow).sum() <= 3  # rays of single precision along an edge
+    both = (fast == slow) & (slow > 0)
+    if both.any():
+        near = nearness_in(faces, ALL_OF_IT, SAMPLES_PX)
+        assert np.abs(1.0 / near[both] - depth[both]).max() < 2e-5 * depth[both].max() ** 2 + 1e-6
+        rows, columns = window_around(eye, faces.points_px)
+        held = np.zeros_like(both)
+        held[:, rows, columns] = True
+        assert held[both].all()
+
+
+@settings(deadline=None, max_examples=60)
+@given(cameras_and_boxes(), st.floats(0.3, 1.5), st.floats(-3.2, 3.2), st.floats(0.0, 0.3))
+def test_a_shadows_outlines_hold_what_may_and_what_must_be_shaded(case, elevation, azimuth, height_m):
+    eye, box = case
+    shadow = BoxShadow(box, Beam(azimuth, elevation, (1.0, 1.0, 1.0)), eye)
+    u, v = np.meshgrid(np.arange(96.0), np.arange(64.0))
+    x, y = (u - eye.intrinsics.cx_px) / eye.intrinsics.fx_px, (v - eye.intrinsics.cy_px) / eye.intrinsics.fy_px
+    climb = np.stack([x, y, np.ones_like(x)], axis=-1) @ eye.pose.world_from_camera[2]
+    assume((climb < 0).any())
+    depth = np.where(climb < 0, (height_m - eye.pose.position_m[2]) / np.minimum(climb, -1e-9), 1e6)
+    dark = shaded(rays_at(eye, u, v, box), depth.astype(np.float32), box, shadow.beam) & (depth < 20.0)
+    middle = np.zeros((1, 2))
+    if height_m < 2.0 * box.half_m[2]:
+        assert not (dark & ~covered([shadow.outline_px()], ALL_OF_IT, middle)[0, 0]).any()
+    sure = shadow.sure_px(height_m)
+    if sure:
+        certain = covered(sure, ALL_OF_IT, middle).all(axis=0)[0] & (depth < 20.0)
+        assert not (certain & ~dark).any()
 
 
 @given(st.floats(0.3, 1.5), st.floats(-3.2, 3.2))

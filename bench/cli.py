@@ -28,6 +28,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
+tables = typer.Typer(help="Remake the papers' tables on frames whose truth is known.", no_args_is_help=True)
+app.add_typer(tables, name="tables")
+
 RunDirectory = Annotated[Path, typer.Argument(help="A run directory.", metavar="RUN")]
 
 
@@ -216,6 +219,27 @@ def learn(
 
     learn_models(frames, out, baselines=baselines)
     print(out)
+
+
+@tables.command("rail")
+def tables_rail(
+    scenarios: Annotated[list[str] | None, typer.Argument(help="Names or TOML files.", metavar="SCENARIO...")] = None,
+    frames: Annotated[int | None, typer.Option(help="Film at most so many frames of each camera.")] = None,
+    out: Annotated[Path, typer.Option(help="Directory of the page and the scores.")] = Path("runs/tables-rail"),
+    json: Annotated[bool, typer.Option("--json", help="Print the scores as JSON and nothing else.")] = False,
+) -> None:
+    """Remake the rail paper's tables and figures, each figure beside the paper's."""
+    from bench.scores import to_json
+    from bench.tables.page import print_parts
+    from bench.tables.rail import evaluate, write_tables
+    from scenarios.loader import load_scenario
+
+    parts = write_tables(evaluate([load_scenario(name) for name in scenarios or ()], frames=frames, quiet=json), out)
+    if json:
+        print(to_json([score for part in parts for score in part.scores]))
+    else:
+        print_parts(parts)
+        print(out / "tables.html")
 
 
 @app.command()

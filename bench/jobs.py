@@ -4,7 +4,7 @@ import itertools
 import os
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -22,8 +22,8 @@ from bench.run import Chain, run
 from bench.scores import Score, write_scores
 from bench.scoring import score
 from bench.wiring import Stages, calibrated_cameras, make_chain, make_perception
-from contracts import InputError
-from contracts.truth import Step
+from contracts import Frame, InputError
+from contracts.truth import Step, World
 from georef.camera_file import read_camera
 from scenarios.loader import list_scenarios, load_scenario
 from scenarios.schema import Scenario
@@ -76,8 +76,22 @@ def run_scenario(
     make_perception(stages, world.survey.cameras)  # first: a wrong plug-in costs no film
     steps = world.steps()
     first = next(steps)
-    calibrated = calibrated_cameras(world, first.frames, stages) if stages.needs_film else ()
-    manifest = Manifest(
+    manifest = manifest_of(scenario, world, stages, first.frames, seed=seed)
+    shown = _with_progress(itertools.chain([first], steps), scenario.name, total=len(world), quiet=quiet)
+    perceive = make_perception(stages, [each.camera for each in manifest.calibrated_cameras])
+    chain = make_chain(stages, perceive, manifest.calibrated_cameras)
+    _record(shown, manifest, chain, directory, keep_frames=keep_frames, sample_every=len(world) // SAMPLES + 1)
+    return rescore(directory, scenario)
+
+
+def manifest_of(
+    scenario: Scenario, world: World, stages: Stages, first_frames: Sequence[Frame], *, seed: int | None = None
+) -> Manifest:
+    """What is run, with the cameras calibrated from the world's boards and its first frames.
+
+    seed: instead of the scenario's own, as the world was built with.
+    """
+    return Manifest(
         scenario=scenario.name,
         title=scenario.title,
         world=scenario.world,
@@ -88,13 +102,8 @@ def run_scenario(
         versions=_versions(),
         survey=world.survey,
         true_cameras=world.cameras,
-        calibrated_cameras=calibrated,
+        calibrated_cameras=calibrated_cameras(world, first_frames, stages) if stages.needs_film else (),
     )
-    shown = _with_progress(itertools.chain([first], steps), scenario.name, total=len(world), quiet=quiet)
-    perceive = make_perception(stages, [each.camera for each in calibrated])
-    chain = make_chain(stages, perceive, calibrated)
-    _record(shown, manifest, chain, directory, keep_frames=keep_frames, sample_every=len(world) // SAMPLES + 1)
-    return rescore(directory, scenario)
 
 
 def run_footage(

@@ -94,6 +94,13 @@ class Stages:
         return detector
 
 
+TABLE_DETECTORS = {"CRD": "crd", "CCR": "ccr", "GMM": "gmm", "HBP": "hbp"}
+"""Detectors that the remade tables compare, by the paper's name."""
+
+TABLE_TRACKERS: dict[str, Stages] = {"detection in every frame": Stages()}
+"""Perceivers that the remade tables compare; the last one is the chain's own."""
+
+
 def make_perception(stages: Stages, cameras: Iterable[Camera]) -> Perception:
     """What turns a step into the tracks of every camera."""
     if not stages.needs_film:

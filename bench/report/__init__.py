@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from bench.report.document import write_whole
 from bench.report.material import read_run
 from bench.report.page import page
 from contracts import InputError
@@ -16,10 +17,4 @@ def write_report(directories: Sequence[Path], path: Path) -> None:
     """
     if not directories:
         raise InputError("a report needs at least one run directory")
-    content = page([read_run(directory) for directory in directories])
-    partial = path.with_name(f".{path.name}.part")
-    try:
-        partial.write_text(content, encoding="utf-8")
-        partial.replace(path)
-    except OSError as error:
-        raise InputError(f"cannot write the report {path}: {error.strerror}") from error
+    write_whole(path, page([read_run(directory) for directory in directories]))

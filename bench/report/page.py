@@ -1,19 +1,15 @@
-"""Puts the page together: one HTML file with its look, its script and its data inside."""
+"""Puts the page about runs together, section by section."""
 
-import json
 from collections.abc import Sequence
 from html import escape
-from importlib.resources import files
-from string import Template
 
 from bench.report import tables
 from bench.report.charts import Figure, coverage, error_cloud, error_over_time, stage_bars
+from bench.report.document import chart, document, section
 from bench.report.headline import people_read
 from bench.report.material import ReportedRun
 from bench.report.pictures import picture_html, sample_pictures
 from bench.report.plan import error_map, magnification, plan
-
-_ASSETS = files("bench.report") / "assets"
 
 
 def page(runs: Sequence[ReportedRun]) -> str:
@@ -21,16 +17,9 @@ def page(runs: Sequence[ReportedRun]) -> str:
     charts: dict[str, Figure] = {}
     articles = [_article(run, f"run{k}", charts) for k, run in enumerate(runs)]
     title = runs[0].recording.manifest.title if len(runs) == 1 else f"{len(runs)} runs compared"
-    compared = _section("Side by side", "", tables.comparison(runs)) if len(runs) > 1 else ""
-    return Template(_asset("page.html")).substitute(
-        title=escape(title),
-        style=_asset("page.css"),
-        heading=f'<header class="page"><h1>{escape(title)}</h1></header>{compared}' if len(runs) > 1 else "",
-        articles="".join(articles),
-        charts=_script_json(charts),
-        plotly=_asset("plotly-basic.min.js"),
-        script=_asset("page.js"),
-    )
+    compared = section("Side by side", "", tables.comparison(runs)) if len(runs) > 1 else ""
+    heading = f'<header class="page"><h1>{escape(title)}</h1></header>{compared}' if len(runs) > 1 else ""
+    return document(title, charts, heading=heading, articles="".join(articles))
 
 
 def _article(run: ReportedRun, key: str, charts: dict[str, Figure]) -> str:
@@ -77,7 +66,7 @@ def _plan(run: ReportedRun, key: str, charts: dict[str, Figure]) -> str:
         "Lines: the true paths. Points: the fused positions. Dotted: what each calibrated camera sees of the floor. "
         "Drag to enlarge, double-click to return."
     )
-    return _section("The plan", says, _chart(charts, f"{key}-plan", plan(run)))
+    return section("The plan", says, chart(charts, f"{key}-plan", plan(run)))
 
 
 def _errors(run: ReportedRun, key: str, charts: dict[str, Figure]) -> str:
@@ -87,13 +76,13 @@ def _errors(run: ReportedRun, key: str, charts: dict[str, Figure]) -> str:
         "Root mean square. Single cameras count where at least 80 % of the vehicle is in sight. "
         f"Had every anchor been taken to lie on the floor (z = 0): {naive[0]} east, {naive[1]} north."
     )
-    over_time = _chart(charts, f"{key}-time", error_over_time(run))
-    over_place = _chart(charts, f"{key}-map", error_map(run))
-    by_stage = _chart(charts, f"{key}-stages", stage_bars(run))
+    over_time = chart(charts, f"{key}-time", error_over_time(run))
+    over_place = chart(charts, f"{key}-map", error_map(run))
+    by_stage = chart(charts, f"{key}-stages", stage_bars(run))
     return (
-        _section("Error over time", "Fused position minus truth. A gap: not found.", over_time)
-        + _section("Error over position", f"Lines point to the estimate, {times} times enlarged.", over_place)
-        + _section("Where the error comes from", z0, by_stage + tables.cameras(run.recording.manifest, run.scores))
+        section("Error over time", "Fused position minus truth. A gap: not found.", over_time)
+        + section("Error over position", f"Lines point to the estimate, {times} times enlarged.", over_place)
+        + section("Where the error comes from", z0, by_stage + tables.cameras(run.recording.manifest, run.scores))
     )
 
 
@@ -101,9 +90,9 @@ def _trust(run: ReportedRun, key: str, charts: dict[str, Figure]) -> str:
     says = (
         "Left: how many positions lie inside their own stated ellipse. On the diagonal the stated covariance is right."
     )
-    ellipses = _chart(charts, f"{key}-coverage", coverage(run))
-    cloud = _chart(charts, f"{key}-cloud", error_cloud(run))
-    return _section("Does it know its own error?", says, f'<div class="pair">{ellipses}{cloud}</div>')
+    ellipses = chart(charts, f"{key}-coverage", coverage(run))
+    cloud = chart(charts, f"{key}-cloud", error_cloud(run))
+    return section("Does it know its own error?", says, f'<div class="pair">{ellipses}{cloud}</div>')
 
 
 def _what_was_seen(run: ReportedRun) -> str:
@@ -119,27 +108,8 @@ def _what_was_seen(run: ReportedRun) -> str:
 
 def _all_scores(run: ReportedRun) -> str:
     says = "A dash is a score without a population: nothing was there to measure."
-    return _section("Scores", says, tables.headline(run.scores) + tables.all_scores(run.scores))
+    return section("Scores", says, tables.headline(run.scores) + tables.all_scores(run.scores))
 
 
 def _what_ran(run: ReportedRun) -> str:
-    return _section("What ran", "", f'<div class="pair">{tables.what_ran(run.recording.manifest)}</div>')
-
-
-def _section(title: str, says: str, content: str) -> str:
-    explained = f'<p class="says">{escape(says)}</p>' if says else ""
-    return f"<section><h3>{escape(title)}</h3>{explained}{content}</section>"
-
-
-def _chart(charts: dict[str, Figure], name: str, figure: Figure) -> str:
-    charts[name] = figure
-    return f'<div class="chart" id="{name}" style="min-height:{figure["layout"]["height"]}px"></div>'
-
-
-def _script_json(value: object) -> str:
-    """JSON that may stand inside a script element: no tag can begin in it."""
-    return json.dumps(value, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
-
-
-def _asset(name: str) -> str:
-    return (_ASSETS / name).read_text(encoding="utf-8")
+    return section("What ran", "", f'<div class="pair">{tables.what_ran(run.recording.manifest)}</div>')

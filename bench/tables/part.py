@@ -1,0 +1,43 @@
+"""A part of the remade evaluation, before anybody has decided whether it goes to a terminal, a page or a program."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from bench.report.charts import Figure
+from bench.scores import Score
+
+UNKNOWN = "—"
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A table as text: the first column says what, the others are figures."""
+
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One table or figure of the paper.
+
+    name: short and stable, for the names of charts. says: what was measured how, in a sentence or two.
+    scores: the figures for programs; their names begin with ``name``.
+    """
+
+    name: str
+    title: str
+    says: str
+    grids: tuple[Grid, ...] = ()
+    charts: tuple[Figure, ...] = ()
+    scores: tuple[Score, ...] = field(default=())
+
+
+def number(value: float | None, form: str = ".2f", factor: float = 1.0) -> str:
+    """``value`` times ``factor`` as text, a dash where it is None or NaN."""
+    return UNKNOWN if value is None or value != value else f"{value * factor:{form}}"  # noqa: PLR0124 - NaN alone differs from itself
+
+
+def value_of(scores: Sequence[Score], name: str) -> float | None:
+    """The value of the score called ``name``."""
+    return next(score.value for score in scores if score.name == name)

@@ -1,0 +1,104 @@
+"""``gantry tables rail``: paper R's evaluation, remade on the sequences whose truth is known."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import track
+
+from bench.recording import Manifest
+from bench.report.document import write_whole
+from bench.scores import write_scores
+from bench.tables.figure19 import figure19
+from bench.tables.figure21 import figure21
+from bench.tables.films import Film, Watched, film, watch
+from bench.tables.outlines import OutlineDetector, Outlines, outlines
+from bench.tables.owners import owners
+from bench.tables.page import tables_page
+from bench.tables.part import Part
+from bench.tables.precision import precision
+from bench.tables.table1 import table1
+from bench.tables.table3 import table3
+from bench.wiring import TABLE_DETECTORS, TABLE_TRACKERS, Stages
+from contracts import InputError
+from scenarios.schema import Scenario
+
+TITLE = "Paper R's tables, remade"
+PAGE_NAME = "tables.html"
+MASKS_EVERY = 5  # steps: masks cost another detection each
+
+
+@dataclass
+class Evaluation:
+    """What every method made of every sequence so far, by the method's name, in the order of the sequences."""
+
+    manifests: list[Manifest] = field(default_factory=list)
+    detectors: dict[str, list[Watched]] = field(default_factory=dict)
+    masks: dict[str, list[Outlines]] = field(default_factory=dict)
+    trackers: dict[str, list[Watched]] = field(default_factory=dict)
+
+    def add(self, shown: Film) -> None:
+        """Show a film to every detector and tracker; the film itself is not kept."""
+        self.manifests.append(shown.manifest)
+        for name, detector in TABLE_DETECTORS.items():
+            stages = Stages(detector=detector)
+            self.detectors.setdefault(name, []).append(watch(shown, name, stages.make_perceiver))
+            makers = {one.camera.name: stages.make_detector(one.camera) for one in shown.manifest.calibrated_cameras}
+            open_ones = {camera: maker for camera, maker in makers.items() if isinstance(maker, OutlineDetector)}
+            self.masks.setdefault(name, []).append(outlines(shown, open_ones, every=MASKS_EVERY))
+        for name, stages in TABLE_TRACKERS.items():
+            self.trackers.setdefault(name, []).append(watch(shown, name, stages.make_perceiver))
+
+    def parts(self) -> list[Part]:
+        """All tables and figures. The first tracker is detection in every frame, the last one the chain's own."""
+        detection, *_ = self.trackers.values()
+        *_, own = self.trackers.values()
+        return [
+            table3(self.detectors, self.masks),
+            precision(self.trackers),
+            figure19(own, detection),
+            figure21(own),
+            owners(own),
+            table1(self.manifests),
+        ]
+
+
+def evaluate(scenarios: Sequence[Scenario], *, frames: int | None = None, quiet: bool = False) -> Evaluation:
+    """Film every scenario, at most ``frames`` frames of each camera if given, and show it to all methods.
+
+    Raises InputError if there is no scenario or no frame.
+    """
+    if frames is not None and frames < 1:
+        raise InputError(f"--frames {frames}: at least one frame has to be filmed")
+    if not scenarios:
+        raise InputError("there is no sequence to make the tables from; name scenarios")
+    evaluation = Evaluation()
+    for scenario in track(scenarios, "tables", disable=quiet, console=Console(stderr=True)):
+        evaluation.add(film(scenario, frames=frames))
+    return evaluation
+
+
+def write_tables(evaluation: Evaluation, directory: Path) -> list[Part]:
+    """Write ``tables.html`` and ``scores.json`` into ``directory``. Raises InputError if that cannot be done."""
+    parts = evaluation.parts()
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot write the tables into {directory}: {error.strerror}") from error
+    write_whole(directory / PAGE_NAME, tables_page(TITLE, facts(evaluation), parts))
+    write_scores(directory / "scores.json", [score for part in parts for score in part.scores])
+    return parts
+
+
+def facts(evaluation: Evaluation) -> Sequence[str]:
+    """What was filmed, in a few words each."""
+    *_, own = evaluation.trackers.values()
+    moments = sum(len(one.recording.steps) for one in own)
+    images = sum(len(times) for one in own for times in one.seconds.values())
+    return (
+        f"{len(evaluation.manifests)} sequences",
+        f"{moments} moments",
+        f"{images} frames",
+        f"lights: {', '.join(dict.fromkeys(one.light for one in own))}",
+    )

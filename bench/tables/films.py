@@ -1,5 +1,6 @@
 """Sequences in memory: filmed once, calibrated once, then shown to one perceiver after the other."""
 
+import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -46,11 +47,14 @@ class Watched:
     seconds: dict[str, FloatArray]
 
 
-def film(scenario: Scenario, *, frames: int | None = None, workers: int = 1) -> Film:
-    """Film ``scenario``, at most ``frames`` frames of each camera if given, and calibrate its cameras."""
-    world = build_world(scenario, workers=workers)
+def film(scenario: Scenario, *, frames: int | None = None, stages: Stages | None = None) -> Film:
+    """Film ``scenario``, at most ``frames`` frames of each camera if given, and calibrate its cameras.
+
+    stages: says how the cameras are calibrated; from what they see, if not given.
+    """
+    world = build_world(scenario, workers=os.cpu_count() or 1)
     steps = tuple(islice(world.steps(), frames))
-    return Film(scenario, manifest_of(scenario, world, Stages(), steps[0].frames), steps)
+    return Film(scenario, manifest_of(scenario, world, stages or Stages(), steps[0].frames), steps)
 
 
 def watch(shown: Film, method: str, make_perceiver: Callable[[Camera], Perceiver]) -> Watched:

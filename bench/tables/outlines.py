@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import Protocol
 
 import numpy as np
 
@@ -13,7 +13,6 @@ from contracts.truth import CameraTruth, Truth
 from perception.silhouette import Silhouette
 
 
-@runtime_checkable
 class OutlineDetector(Protocol):
     """A detector that shows the masks behind its detections."""
 

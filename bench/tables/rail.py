@@ -3,10 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 from rich.progress import track
 
+from bench.plugins import require_methods
 from bench.recording import Manifest
 from bench.report.document import write_whole
 from bench.scores import write_scores
@@ -44,9 +46,7 @@ class Evaluation:
         for name, detector in TABLE_DETECTORS.items():
             stages = Stages(detector=detector)
             self.detectors.setdefault(name, []).append(watch(shown, name, stages.make_perceiver))
-            makers = {one.camera.name: stages.make_detector(one.camera) for one in shown.manifest.calibrated_cameras}
-            open_ones = {camera: maker for camera, maker in makers.items() if isinstance(maker, OutlineDetector)}
-            self.masks.setdefault(name, []).append(outlines(shown, open_ones, every=MASKS_EVERY))
+            self.masks.setdefault(name, []).append(outlines(shown, _detectors(stages, shown), every=MASKS_EVERY))
         for name, stages in TABLE_TRACKERS.items():
             self.trackers.setdefault(name, []).append(watch(shown, name, stages.make_perceiver))
 
@@ -62,6 +62,16 @@ class Evaluation:
             owners(own),
             table1(self.manifests),
         ]
+
+
+def _detectors(stages: Stages, shown: Film) -> dict[str, OutlineDetector]:
+    """A detector for each camera of a film."""
+    detectors: dict[str, OutlineDetector] = {}
+    for calibrated in shown.manifest.calibrated_cameras:
+        detector: Any = stages.make_detector(calibrated.camera)
+        require_methods(detector, OutlineDetector, name=str(stages.detector))
+        detectors[calibrated.camera.name] = detector
+    return detectors
 
 
 def evaluate(scenarios: Sequence[Scenario], *, frames: int | None = None, quiet: bool = False) -> Evaluation:

@@ -1,5 +1,6 @@
 """What perception says about one frame: detections, and tracks, which are detections with an identity."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,6 +56,29 @@ class Detections:
         """No objects in this frame."""
         none = np.empty(0)
         return Detections(camera, index, time_ns, (), none, none, none, none, none, none)
+
+    def take(self, rows: Sequence[int]) -> "Detections":
+        """The objects of ``rows``, in that order."""
+        if list(rows) == list(range(len(self))):
+            return self
+        columns = (column[list(rows)] for column in self._columns())
+        return Detections(self.camera, self.index, self.time_ns, tuple(self.labels[row] for row in rows), *columns)
+
+    def joined(self, other: "Detections") -> "Detections":
+        """These objects, then those of ``other``, found in the same frame."""
+        both = zip(self._columns(), other._columns(), strict=True)
+        columns = (np.concatenate(pair) for pair in both)
+        return Detections(self.camera, self.index, self.time_ns, (*self.labels, *other.labels), *columns)
+
+    def _columns(self) -> tuple[FloatArray, ...]:
+        return (
+            self.scores,
+            self.boxes_px,
+            self.quads_px,
+            self.anchors_px,
+            self.anchor_heights_m,
+            self.anchor_covs_px2,
+        )
 
 
 @dataclass(frozen=True, eq=False)

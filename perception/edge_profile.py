@@ -34,7 +34,7 @@ _ITERATIONS = 8
 _LARGEST_STEP = np.array([1.0, 1.0, 0.2, 200.0, 200.0, 200.0])
 _DAMPING = 1e-3
 _SETTLED_PX = 0.005
-_LEAST_SHADE = 0.05
+LEAST_SHADE = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +92,7 @@ def _fit(profiles: FloatArray, t_px: FloatArray, wall_start_px: FloatArray) -> t
 
 
 def _limits(t_px: FloatArray) -> list[tuple[float, float]]:
-    return [(t_px[0], t_px[-1]), (0.0, t_px[-1]), (_LEAST_SHADE, np.inf)] + [(-np.inf, np.inf)] * 3
+    return [(t_px[0], t_px[-1]), (0.0, t_px[-1]), (LEAST_SHADE, np.inf)] + [(-np.inf, np.inf)] * 3
 
 
 def _residuals(
@@ -103,8 +103,8 @@ def _residuals(
     edge, wall, shade = parameters[:, :3].T[..., None]  # (S, 1) each
     background = parameters[:, None, 3:]  # (S, 1, 3)
     colour = roof[:, None, :]
-    past_edge, edge_slope = _step((t_px - edge) / BLUR_PX)  # (S, T)
-    past_wall, wall_slope = _step((t_px - edge - wall) / BLUR_PX)
+    past_edge, edge_slope = step((t_px - edge) / BLUR_PX)  # (S, T)
+    past_wall, wall_slope = step((t_px - edge - wall) / BLUR_PX)
     share = (1 - past_edge) + shade * (past_edge - past_wall)  # (S, T) of the roof's colour
     model = share[..., None] * colour + past_wall[..., None] * background  # (S, T, 3)
     by_wall = wall_slope[..., None] * (shade[..., None] * colour - background)
@@ -122,6 +122,6 @@ def _residuals(
     )
 
 
-def _step(z: FloatArray) -> tuple[FloatArray, FloatArray]:
+def step(z: FloatArray) -> tuple[FloatArray, FloatArray]:
     """A blurred unit step at ``z`` standard deviations past it, and its slope per pixel."""
     return ndtr(z), np.exp(-(z**2) / 2) / (BLUR_PX * np.sqrt(2 * np.pi))

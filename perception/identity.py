@@ -22,21 +22,4 @@ class ColourIdentity:
             best.setdefault(detections.labels[row], row)
         rows = sorted(best.values())
         ids = [self._ids.setdefault(detections.labels[row], len(self._ids)) for row in rows]
-        return Tracks(np.array(ids, np.int64), _rows(detections, rows))
-
-
-def _rows(detections: Detections, rows: list[int]) -> Detections:
-    if len(rows) == len(detections):
-        return detections
-    return Detections(
-        detections.camera,
-        detections.index,
-        detections.time_ns,
-        tuple(detections.labels[row] for row in rows),
-        detections.scores[rows],
-        detections.boxes_px[rows],
-        detections.quads_px[rows],
-        detections.anchors_px[rows],
-        detections.anchor_heights_m[rows],
-        detections.anchor_covs_px2[rows],
-    )
+        return Tracks(np.array(ids, np.int64), detections.take(rows))

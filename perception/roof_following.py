@@ -1,0 +1,115 @@
+"""A roof that was measured a frame ago, measured again: one resampling and one product with a prepared matrix.
+
+The model of the profiles, its priors and the test that decides on walls are those of ``edge_profile``. Every few
+frames the model is fitted anew; there its Jacobian tells, for all frames until the next fit, how a small departure of
+the profiles from the model splits into moved edges, a turn, and everything that is no motion (a wall that grows,
+another background): Gauss-Newton with a frozen Jacobian, the chord method. A departure beyond the linear range is
+looked at again from where the first look said that the roof is.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contracts import BoolArray, FloatArray, ImageArray
+from perception.edge_profile import SHADE, WALL_STARTS_PX
+from perception.profile_fit import LinearModel, ProfileFit, fit_profiles
+from perception.roof import Roof
+from perception.roof_window import RoofPose, WindowPlan
+
+REFIT_EVERY = 8  # frames
+LINEAR_PX, LINEAR_RAD = 0.5, 0.015  # of departure, that one look bears
+LOOKS = 3
+FARTHEST_PX = 6.0  # from where it was looked for, it is another edge that was found
+ODD_COST = 120.0  # of a side's profile: something stands before it
+DOUBTFUL_COST = 8.0  # beyond this the linear model is not trusted with a side
+SAME_COLOUR = 0.15  # by which the direction of a roof's colour may change from fit to fit
+_OPPOSITE = np.array([2, 3, 0, 1])
+
+
+@dataclass(frozen=True, eq=False)
+class FollowedRoof:
+    """A measured roof and what the next frames are compared with.
+
+    roof: as ``measure_roof`` gives it. pose: the same as a rectangle. age: frames since the model was fitted.
+    """
+
+    roof: Roof
+    pose: RoofPose
+    age: int
+    _reference: "_Reference"
+
+
+@dataclass(frozen=True, eq=False)
+class _Reference:
+    """The fitted model, and how it is looked at."""
+
+    plan: WindowPlan
+    fit: ProfileFit
+    linear: LinearModel
+
+
+def start_following(image: ImageArray, quad_px: FloatArray) -> FollowedRoof | None:
+    """From a roof (4, 2) that a detector measured, first side long; None where it cannot be followed, as when cut."""
+    pose = RoofPose.of(np.asarray(quad_px, np.float64))
+    begun = [_fitted(image, pose, np.full(4, wall_px), np.full(4, SHADE)) for wall_px in WALL_STARTS_PX if wall_px]
+    told = [roof for roof in begun if roof is not None]
+    return min(told, key=lambda roof: float(roof._reference.fit.costs.sum()), default=None)
+
+
+def follow_roof(image: ImageArray, last: FollowedRoof, pose: RoofPose) -> FollowedRoof | None:
+    """The roof in a later frame, given about where it is; None where it cannot be told and a full search must.
+
+    image: (H, W, 3) BGR. last: what is known. pose: where the roof is expected, to a few pixels; of ``last``'s size.
+    """
+    reference = last._reference
+    if last.age + 1 >= REFIT_EVERY:
+        return _refitted(image, pose, reference.fit)
+    expected_px = pose.centre_px
+    for _ in range(LOOKS):
+        if not pose.inside(image):
+            return None
+        edges_px, turn_rad, costs = reference.linear.read(reference.plan.profiles(image, pose))
+        e0, e1, e2, e3 = edges_px.tolist()
+        offset = np.array([e1 - e3, e2 - e0]) / 2
+        pose = pose.moved(offset, turn_rad)
+        if max(abs(offset[0]), abs(offset[1])) <= LINEAR_PX and abs(turn_rad) <= LINEAR_RAD:
+            break
+    else:
+        return None
+    if np.abs(pose.centre_px - expected_px).max() > FARTHEST_PX:
+        return None
+    if costs.max() > DOUBTFUL_COST:
+        return _refitted(image, pose, reference.fit)
+    roof = Roof(pose.corners_px, last.roof.sides_measured, last.roof.walls_px)
+    return FollowedRoof(roof, pose, last.age + 1, reference)
+
+
+def _refitted(image: ImageArray, pose: RoofPose, last: ProfileFit) -> FollowedRoof | None:
+    """The roof by a fit of the whole model, started from the ``last`` one; it must still have the same colour."""
+    roof = _fitted(image, pose, last.walls_px, last.shades)
+    if roof is None:
+        return None
+    known, now = (colour.mean(axis=0) for colour in (last.roof, roof._reference.fit.roof))
+    departure = np.linalg.norm(now / max(np.linalg.norm(now), 1.0) - known / max(np.linalg.norm(known), 1.0))
+    return roof if departure <= SAME_COLOUR else None
+
+
+def _fitted(image: ImageArray, pose: RoofPose, walls_px: FloatArray, shades: FloatArray) -> FollowedRoof | None:
+    for _ in range(LOOKS):
+        if not pose.inside(image):
+            return None
+        plan = WindowPlan.of(pose.size_px)
+        profiles = plan.profiles(image, pose).astype(np.float64)
+        fit = fit_profiles(profiles, plan, walls_px, shades)
+        e0, e1, e2, e3 = fit.edges_px.tolist()
+        offset, growth = np.array([e1 - e3, e2 - e0]) / 2, np.array([e1 + e3, e0 + e2])
+        pose = pose.moved(offset, fit.turn_rad).resized(growth)
+        if np.abs(offset).max() <= LINEAR_PX and abs(fit.turn_rad) <= LINEAR_RAD:
+            break
+    seen: BoolArray = fit.costs <= ODD_COST
+    if not (seen | seen[_OPPOSITE]).all():
+        return None
+    plan = WindowPlan.of(pose.size_px)
+    roof = Roof(pose.corners_px, seen, np.where(fit.walled, fit.walls_px, 0.0))
+    return FollowedRoof(roof, pose, 0, _Reference(plan, fit, LinearModel.of(fit, plan)))

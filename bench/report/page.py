@@ -8,6 +8,7 @@ from bench.report.charts import Figure, coverage, error_cloud, error_over_time, 
 from bench.report.document import chart, document, section
 from bench.report.headline import people_read
 from bench.report.material import ReportedRun
+from bench.report.mosaic import mosaics_html
 from bench.report.pictures import picture_html, sample_pictures
 from bench.report.plan import error_map, magnification, plan
 
@@ -24,9 +25,10 @@ def page(runs: Sequence[ReportedRun]) -> str:
 
 def _article(run: ReportedRun, key: str, charts: dict[str, Figure]) -> str:
     """Everything about one run; its charts go into ``charts`` under names that begin with ``key``."""
-    sections = [_what_was_seen(run), _plan(run, key, charts)]
+    sections = [_what_was_seen(run), _plan(run, key, charts), _mosaic(run)]
     if len(run.fused.hits):
-        sections = [_plan(run, key, charts), _errors(run, key, charts), _trust(run, key, charts), _what_was_seen(run)]
+        measured = [_errors(run, key, charts), _trust(run, key, charts)]
+        sections = [_plan(run, key, charts), *measured, _mosaic(run), _what_was_seen(run)]
     return "".join(["<article>", _head(run), *sections, _all_scores(run), _what_ran(run), "</article>"])
 
 
@@ -93,6 +95,19 @@ def _trust(run: ReportedRun, key: str, charts: dict[str, Figure]) -> str:
     ellipses = chart(charts, f"{key}-coverage", coverage(run))
     cloud = chart(charts, f"{key}-cloud", error_cloud(run))
     return section("Does it know its own error?", says, f'<div class="pair">{ellipses}{cloud}</div>')
+
+
+def _mosaic(run: ReportedRun) -> str:
+    figures = mosaics_html(run)
+    says = (
+        "Every camera's frame warped to the floor, north up. Dots: the fused positions, with the direction of "
+        "travel over "
+        "the last 0.4 s. Rings: where a switch shows its white spot, filled while it does; the table says how "
+        "the switch "
+        "lies as seen from each vehicle under way in its direction (left or right, paper R's table 2). Switch "
+        "states are the true ones."
+    )
+    return section("The mosaic", says, figures) if figures else ""
 
 
 def _what_was_seen(run: ReportedRun) -> str:

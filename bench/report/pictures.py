@@ -54,9 +54,7 @@ def picture_html(run: ReportedRun, picture: Picture) -> str:
     name = f"frame-{re.sub(r'[^a-zA-Z0-9]', '-', f'{run.name}-{picture.camera}')}-{picture.index}"
     height, width = picture.image.shape[:2]
     marks = [*(_track_marks(tracks) if tracks else ()), *_true_marks(run, step, picture.camera)]
-    image = (
-        f'<image id="{name}" x="-0.5" y="-0.5" width="{width}" height="{height}" href="{_data_url(picture.image)}"/>'
-    )
+    image = f'<image id="{name}" x="-0.5" y="-0.5" width="{width}" height="{height}" href="{data_url(picture.image)}"/>'
     whole = _svg(image + "".join(marks), (-0.5, -0.5, width, height), "frame")
     used = f'<use href="#{name}"/>'
     crops = [
@@ -91,7 +89,8 @@ def _read(file: Path) -> ImageArray:
     return np.zeros((1, 1, 3), dtype=np.uint8) if image is None else np.asarray(image, dtype=np.uint8)
 
 
-def _data_url(image: ImageArray) -> str:
+def data_url(image: ImageArray) -> str:
+    """A picture as it stands in a page: JPEG in base 64."""
     _, jpeg = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
     return f"data:image/jpeg;base64,{base64.b64encode(jpeg.tobytes()).decode()}"
 

@@ -6,8 +6,8 @@ label: a vehicle tracked under another's name is lost.
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
+from shapely import MultiPoint
 
 from bench.matching import is_target
 from bench.recording import Recording
@@ -43,13 +43,12 @@ def cases(recording: Recording) -> Cases:
     """All cases of a run whose frames were filmed."""
     cameras = {camera.name: camera for camera in recording.manifest.true_cameras}
     rows = []
-    for step in recording.steps:
-        tracks = {one.objects.camera: one for one in step.tracks}
-        for view in step.truth.cameras if step.truth else ():
-            assert step.truth is not None  # for the type checker
-            quads_px = roof_quads_px(step.truth, cameras[view.camera])
+    for truth, tracks in [(step.truth, step.tracks) for step in recording.steps if step.truth is not None]:
+        seen = {one.objects.camera: one for one in tracks}
+        for view in truth.cameras:
+            quads_px = roof_quads_px(truth, cameras[view.camera])
             for row in np.flatnonzero(is_target(view.visible_fractions)).tolist():
-                rows.append(_case(tracks[view.camera], step.truth.labels[row], view, row, quads_px[row]))
+                rows.append(_case(seen[view.camera], truth.labels[row], view, row, quads_px[row]))
     table = np.array(rows).reshape(-1, 2)
     return Cases(table[:, 0], table[:, 1])
 
@@ -72,8 +71,10 @@ def _case(tracks: Tracks, label: str, view: CameraTruth, row: int, quad_px: Floa
 
 
 def quad_overlap(a_px: FloatArray, b_px: FloatArray) -> float:
-    """Area of both convex quadrangles (4, 2) over area of either."""
-    a, b = (np.asarray(quad, np.float32) for quad in (a_px, b_px))
-    shared, _ = cv2.intersectConvexConvex(a, b)
-    either = cv2.contourArea(a) + cv2.contourArea(b) - shared
-    return float(np.clip(shared / either, 0.0, 1.0)) if either > 0 else 0.0
+    """Area of both convex quadrangles (4, 2) over area of either.
+
+    With shapely: OpenCV 5.0's intersectConvexConvex loses area where edges nearly coincide.
+    """
+    a, b = MultiPoint(a_px).convex_hull, MultiPoint(b_px).convex_hull
+    either = float(a.union(b).area)
+    return float(a.intersection(b).area) / either if either > 0 else 0.0

@@ -21,9 +21,10 @@ from bench.recording_file import RECORDING_NAME, Recorder, load_recording
 from bench.run import Chain, run
 from bench.scores import Score, write_scores
 from bench.scoring import score
-from bench.wiring import Stages, calibrated_cameras, make_chain, make_perception
-from contracts import Frame, InputError
+from bench.wiring import Stages, board_lenses, calibrated_cameras, make_chain, make_perception
+from contracts import InputError
 from contracts.truth import Step, World
+from georef.calibrated import CalibratedCamera
 from georef.camera_file import read_camera
 from scenarios.loader import list_scenarios, load_scenario
 from scenarios.schema import Scenario
@@ -75,19 +76,20 @@ def run_scenario(
     )
     make_perception(stages, world.survey.cameras)  # first: a wrong plug-in costs no film
     steps = world.steps()
+    lenses = board_lenses(world, stages) if stages.needs_film else {}  # meanwhile other processes prepare the film
     first = next(steps)
-    manifest = manifest_of(scenario, world, stages, first.frames, seed=seed)
+    calibrated = calibrated_cameras(world, lenses, first.frames) if stages.needs_film else ()
+    manifest = manifest_of(scenario, world, stages, calibrated, seed=seed)
     shown = _with_progress(itertools.chain([first], steps), scenario.name, total=len(world), quiet=quiet)
-    perceive = make_perception(stages, [each.camera for each in manifest.calibrated_cameras])
-    chain = make_chain(stages, perceive, manifest.calibrated_cameras)
+    chain = make_chain(stages, make_perception(stages, [each.camera for each in calibrated]), calibrated)
     _record(shown, manifest, chain, directory, keep_frames=keep_frames, sample_every=len(world) // SAMPLES + 1)
     return rescore(directory, scenario)
 
 
 def manifest_of(
-    scenario: Scenario, world: World, stages: Stages, first_frames: Sequence[Frame], *, seed: int | None = None
+    scenario: Scenario, world: World, stages: Stages, calibrated: Sequence[CalibratedCamera], *, seed: int | None = None
 ) -> Manifest:
-    """What is run, with the cameras calibrated from the world's boards and its first frames.
+    """What is run, with the cameras as calibrated.
 
     seed: instead of the scenario's own, as the world was built with.
     """
@@ -102,7 +104,7 @@ def manifest_of(
         versions=_versions(),
         survey=world.survey,
         true_cameras=world.cameras,
-        calibrated_cameras=calibrated_cameras(world, first_frames, stages) if stages.needs_film else (),
+        calibrated_cameras=tuple(calibrated),
     )
 
 

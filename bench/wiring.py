@@ -1,6 +1,6 @@
 """Chooses the stages of a run: the only place that knows which implementation serves by default."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,9 +9,10 @@ from bench.plugins import load_object
 from bench.run import Chain, Perception
 from contracts import Camera, Detector, Frame, GroundTracks, InputError, Locator, Perceiver, Tracker, Tracks
 from contracts.truth import Step, World
-from georef.calibrate import calibrate
+from georef.calibrate import calibrate_with_lens, lens_of
 from georef.calibrated import CalibratedCamera
 from georef.fusion import CovarianceFuser
+from georef.intrinsics import IntrinsicCalibration
 from georef.location import GroundPlaneLocator, RayPlaneLocator
 from perception.baselines.colour_mixture import ColourMixture
 from perception.baselines.colour_range import ColourRange
@@ -115,24 +116,30 @@ def make_perception(stages: Stages, cameras: Iterable[Camera]) -> Perception:
     return perceive
 
 
-def calibrated_cameras(world: World, frames: Sequence[Frame], stages: Stages) -> tuple[CalibratedCamera, ...]:
-    """Calibrate every camera from its checkerboard views and the control points in its first frame.
-
-    The calibrator is given the survey (nominal cameras, surveyed points), and the true camera only as an oracle.
-    """
+def board_lenses(world: World, stages: Stages) -> dict[str, IntrinsicCalibration]:
+    """The lens of every camera from its checkerboard views; empty where the calibration is given as an oracle."""
     if "calibrate" in stages.oracles:
+        return {}
+    return {
+        nominal.name: lens_of(nominal, tuple(world.board_views(nominal.name)), world.survey.board)
+        for nominal in world.survey.cameras
+    }
+
+
+def calibrated_cameras(
+    world: World, lenses: Mapping[str, IntrinsicCalibration], frames: Sequence[Frame]
+) -> tuple[CalibratedCamera, ...]:
+    """Calibrate every camera from its lens, as ``board_lenses`` found it, and the control points in its first frame.
+
+    The calibrator is given the survey (nominal cameras, surveyed points), and the true camera only as an oracle: where
+    there are no lenses.
+    """
+    if not lenses:
         return tuple(oracles.true_camera(camera) for camera in world.cameras)
-    survey = world.survey
     first_frames = {frame.camera: frame for frame in frames}
     return tuple(
-        calibrate(
-            nominal,
-            tuple(world.board_views(nominal.name)),
-            survey.board,
-            first_frames[nominal.name],
-            survey.control_points_m,
-        )
-        for nominal in survey.cameras
+        calibrate_with_lens(nominal, lenses[nominal.name], first_frames[nominal.name], world.survey.control_points_m)
+        for nominal in world.survey.cameras
     )
 
 

@@ -83,6 +83,7 @@ class Film:
     def __init__(self, renderer: Renderer, size: str) -> None:
         rig, cameras, _ = setting(size)
         self.renderer = Remembering(renderer)
+        self._cameras = {camera.name: camera for camera in cameras}
         self._films = {
             camera.name: CameraFilm(
                 camera, Lens.of(camera.intrinsics), self.renderer, rig.sensor, noise_seed=SEED, keep_instances=False
@@ -95,7 +96,8 @@ class Film:
         """The clean picture; positions (2,) by label."""
         self.renderer.pictures.clear()
         frame, _ = self._films[camera].shoot(state)
-        found = self._locator.locate(Stages().make_perceiver().perceive(frame))
+        perceiver = Stages().make_perceiver(self._cameras[camera])
+        found = self._locator.locate(perceiver.perceive(frame))
         return self.renderer.pictures[0], dict(zip(found.labels, found.positions_m, strict=True))
 
 

@@ -47,8 +47,8 @@ def board_views(
     size = camera.intrinsics
     film = Sensor(sensor, f"{camera.name}/board", size.width_px, size.height_px, noise_seed)
     for index, pose in enumerate(board_poses(size, board, stream(seed, f"board/{camera.name}"))):
-        picture = lens.bend(draw_board(lens.pinhole, board, pose))
-        yield Frame(camera.name, index, index * 1_000_000_000, film.expose(picture, index))
+        grey = film.focus(lens.bend(draw_board(lens.pinhole, board, pose)))
+        yield Frame(camera.name, index, index * 1_000_000_000, film.grain(np.repeat(grey[..., None], 3, axis=2), index))
 
 
 def board_poses(intrinsics: Intrinsics, board: Checkerboard, rng: np.random.Generator) -> list[BoardPose]:
@@ -64,9 +64,9 @@ def board_poses(intrinsics: Intrinsics, board: Checkerboard, rng: np.random.Gene
 
 
 def draw_board(pinhole: Intrinsics, board: Checkerboard, pose: BoardPose) -> ImageArray:
-    """The board through a pinhole, (H, W, 3), each pixel the mean over its area to first order."""
+    """The board through a pinhole, (H, W) grey, each pixel the mean over its area to first order."""
     to_image = pinhole.matrix @ np.column_stack([pose.camera_from_board[:, :2] * board.square_m, pose.origin_m])
-    picture = np.full((pinhole.height_px, pinhole.width_px, 3), round(_ROOM), np.uint8)
+    picture = np.full((pinhole.height_px, pinhole.width_px), round(_ROOM), np.uint8)
     rows, columns = _paper_window(pinhole, board, to_image)
     to_board = np.linalg.inv(to_image)
     u = np.arange(columns.start, columns.stop)[None, :]
@@ -79,7 +79,7 @@ def draw_board(pinhole: Intrinsics, board: Checkerboard, pose: BoardPose) -> Ima
     paper *= y.between(-1.0 - _PAPER_SQUARES, board.rows + _PAPER_SQUARES)
     black = printed * (1.0 + x.stripes(board.columns - 1) * y.stripes(board.rows - 1)) / 2.0
     level = _ROOM + paper * (_WHITE - _ROOM) + black * (_BLACK - _WHITE)
-    picture[rows, columns] = np.rint(level).astype(np.uint8)[..., None]
+    picture[rows, columns] = np.rint(level)
     return picture
 
 

@@ -3,7 +3,7 @@
 import multiprocessing
 import os
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
@@ -13,19 +13,12 @@ import cv2
 from contracts import Camera, GantryError
 from contracts.truth import Truth
 from sim.film import CameraFilm
-from sim.full_renderer import FullRenderer
-from sim.layered_renderer import LayeredRenderer
 from sim.lens import Lens, pinhole_camera
 from sim.lights import LightPreset
 from sim.renderer import Renderer, RendererName
 from sim.scene import Scene
 from sim.sensor import SensorSpec
 from sim.shared_pictures import SharedPictures, Take
-
-RENDERERS: dict[RendererName, Callable[[Scene, Sequence[Camera], LightPreset], Renderer]] = {
-    RendererName.LAYERED: LayeredRenderer,
-    RendererName.FULL: FullRenderer,
-}
 
 _AHEAD = 3  # states under way to each worker: enough to keep it busy, few enough to keep memory small
 
@@ -46,27 +39,32 @@ class FilmSpec:
 def film(spec: FilmSpec, states: Iterable[Truth], *, workers: int) -> Iterator[tuple[Take, ...]]:
     """Film every state with every camera, in the order of ``spec.cameras``.
 
-    workers: 1 films here; more share the cameras among so many processes (never more than cameras).
+    workers: 1 films here; more share the cameras among so many processes (never more than cameras), which set out at
+        once, before the first picture is asked for, and end with the iteration.
     """
     workers = min(workers, len(spec.cameras))
     if workers <= 1:
-        yield from _film_here(spec, states)
-        return
-    shares = [replace(spec, cameras=spec.cameras[k::workers]) for k in range(workers)]
-    order = {camera.name: k for k, camera in enumerate(spec.cameras)}
-    team = [_Worker(share) for share in shares]
-    try:
-        for takes in _through(team, states):
-            yield tuple(sorted(takes, key=lambda take: order[take[0].camera]))
-    finally:
-        for worker in team:
-            worker.dismiss()
+        return _film_here(spec, states)
+    filming = _film_by_team(spec, states, workers)
+    next(filming)
+    return filming
+
+
+def renderer_of(spec: FilmSpec, pinholes: Sequence[Camera]) -> Renderer:
+    """The renderer that the film asks for; graphics are loaded here and no sooner."""
+    if spec.renderer is RendererName.FULL:
+        from sim.full_renderer import FullRenderer
+
+        return FullRenderer(spec.scene, pinholes, spec.light)
+    from sim.layered_renderer import LayeredRenderer
+
+    return LayeredRenderer(spec.scene, pinholes, spec.light)
 
 
 def _film_here(spec: FilmSpec, states: Iterable[Truth]) -> Iterator[tuple[Take, ...]]:
     lenses = [Lens.of(camera.intrinsics) for camera in spec.cameras]
     pinholes = [pinhole_camera(camera, lens) for camera, lens in zip(spec.cameras, lenses, strict=True)]
-    renderer = RENDERERS[spec.renderer](spec.scene, pinholes, spec.light)
+    renderer = renderer_of(spec, pinholes)
     films = [
         CameraFilm(camera, lens, renderer, spec.sensor, noise_seed=spec.noise_seed, keep_instances=spec.keep_instances)
         for camera, lens in zip(spec.cameras, lenses, strict=True)
@@ -76,6 +74,19 @@ def _film_here(spec: FilmSpec, states: Iterable[Truth]) -> Iterator[tuple[Take, 
             yield tuple(camera.shoot(state) for camera in films)
     finally:
         renderer.close()
+
+
+def _film_by_team(spec: FilmSpec, states: Iterable[Truth], workers: int) -> Iterator[tuple[Take, ...]]:
+    """Yields nothing of use first, as soon as the processes are under way."""
+    order = {camera.name: k for k, camera in enumerate(spec.cameras)}
+    team = [_Worker(replace(spec, cameras=spec.cameras[k::workers])) for k in range(workers)]
+    try:
+        yield ()
+        for takes in _through(team, states):
+            yield tuple(sorted(takes, key=lambda take: order[take[0].camera]))
+    finally:
+        for worker in team:
+            worker.dismiss()
 
 
 def _through(team: Sequence["_Worker"], states: Iterable[Truth]) -> Iterator[list[Take]]:

@@ -30,12 +30,14 @@ def floor_texture(seed: int) -> ImageArray:
     tones = rng.normal(0.0, 5.0, (tiles, tiles, 1)) + rng.normal(0.0, 1.5, (tiles, tiles, 3)) + _TILE_RGB
     mottle = sum(_mottle(rng, n, cells, strength) for cells, strength in ((32, 4.0), (128, 3.0), (1024, 3.0)))
     grout = _grout(n)
+    tile, spans = 1 - grout, np.bincount(tile_of)
     planes = []
     for tone, grey in zip(np.moveaxis(tones.astype(np.float32), 2, 0), _GROUT_RGB, strict=True):
-        plane = tone[tile_of][:, tile_of] + mottle  # (n, n)
-        plane += (np.float32(grey) - plane) * grout
-        planes.append(np.clip(plane, 0, 255).astype(np.uint8))
-    return np.stack(planes, axis=-1)
+        plane = np.repeat(tone[tile_of], spans, axis=1)  # (n, n)
+        plane += mottle
+        plane = cv2.blendLinear(plane, np.full_like(plane, grey), tile, grout)
+        planes.append(cv2.convertScaleAbs(plane))
+    return np.asarray(cv2.merge(planes), np.uint8)
 
 
 def _grout(n: int) -> NDArray[np.float32]:
@@ -78,4 +80,4 @@ def _mottle(rng: np.random.Generator, n: int, cells: int, strength: float) -> ND
     whole = round(n * (cells + 2 * border) / cells)
     margin = (whole - n) // 2
     smooth = cv2.resize(coarse, (whole, whole), interpolation=cv2.INTER_CUBIC)[margin : margin + n, margin : margin + n]
-    return np.asarray(smooth * np.float32(strength / smooth.std()), np.float32)
+    return np.asarray(smooth * np.float32(strength / cv2.meanStdDev(smooth)[1].item()), np.float32)

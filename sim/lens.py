@@ -6,9 +6,10 @@ from functools import lru_cache
 
 import cv2
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
-from contracts import Camera, ImageArray, Intrinsics
+from contracts import Camera, FloatArray, ImageArray, Intrinsics
 from sim.projection import undistorted
 from sim.renderer import Window
 
@@ -16,6 +17,7 @@ _MARGIN_PX = 2  # for the bilinear neighbours
 EVERYWHERE: Window = (slice(None), slice(None))
 _EDGE_POINTS = 5  # along each side of a window
 _ALONG = np.linspace(0.0, 1.0, _EDGE_POINTS)
+_DEGREE, _EXACT_PX = 14, 1e-4
 _NO_WEIGHTS = np.empty(0, np.uint16)
 
 
@@ -41,9 +43,7 @@ class Lens:
         if not intrinsics.distortion.any():
             return Lens(intrinsics, intrinsics)
         width, height = intrinsics.width_px, intrinsics.height_px
-        u, v = np.meshgrid(np.arange(float(width)), np.arange(float(height)))
-        normalised = undistorted(intrinsics, np.stack([u, v], axis=-1).reshape(-1, 2))  # (H W, 2)
-        pixels = normalised * (intrinsics.fx_px, intrinsics.fy_px) + (intrinsics.cx_px, intrinsics.cy_px)
+        pixels = _straight_px(intrinsics).reshape(-1, 2)
         low = np.floor(pixels.min(axis=0)).astype(int) - _MARGIN_PX
         high = np.ceil(pixels.max(axis=0)).astype(int) + _MARGIN_PX
         pinhole = Intrinsics(
@@ -61,7 +61,7 @@ class Lens:
         return Lens(intrinsics, pinhole, (coordinates, weights), nearest)
 
     def bend(self, image: ImageArray, window: Window = EVERYWHERE) -> ImageArray:
-        """The pinhole image (H', W', 3) as the lens shows it in ``window`` of the bent image; bilinear."""
+        """The pinhole image (H', W', 3) or (H', W') as the lens shows it in ``window`` of the bent image; bilinear."""
         if self.bent_to_pinhole is None:
             return image[window]
         places, weights = self.bent_to_pinhole
@@ -90,6 +90,32 @@ class Lens:
         low = np.clip(np.floor(bent.min(axis=1)).astype(int) - 1, 0, size).tolist()
         high = np.clip(np.ceil(bent.max(axis=1)).astype(int) + 2, 0, size).tolist()
         return [(slice(v0, v1), slice(u0, u1)) for (u0, v0), (u1, v1) in zip(low, high, strict=True)]
+
+
+def _straight_px(intrinsics: Intrinsics) -> FloatArray:
+    """Where a pinhole of the same K shows what each pixel shows, (H, W, 2).
+
+    The way back through a lens is smooth: a polynomial through exact values is exact, too, and much cheaper.
+    """
+    size = np.array([intrinsics.width_px, intrinsics.height_px])
+    nodes = np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1))  # Chebyshev's, in [-1, 1]
+    exact = _straight_at(intrinsics, *np.meshgrid(*((nodes[None] + 1) / 2 * (size[:, None] - 1))))  # (n, n, 2)
+    to_coefficients = np.linalg.inv(chebvander(nodes, _DEGREE))
+    coefficients = np.einsum("ia,jb,abk->kij", to_coefficients, to_coefficients, exact)  # by degree in v, in u
+    in_u, in_v = (chebvander(np.linspace(-1.0, 1.0, n), _DEGREE) for n in size)
+    pixels = np.stack([in_v @ plane @ in_u.T for plane in coefficients], axis=-1)  # (H, W, 2)
+    tried = np.s_[:: max(1, size[1] // 16), :: max(1, size[0] // 16)]
+    u, v = np.meshgrid(np.arange(float(size[0])), np.arange(float(size[1])))
+    if np.abs(pixels[tried] - _straight_at(intrinsics, u[tried], v[tried])).max() > _EXACT_PX:
+        return _straight_at(intrinsics, u, v)
+    return np.asarray(pixels)
+
+
+def _straight_at(intrinsics: Intrinsics, u: FloatArray, v: FloatArray) -> FloatArray:
+    """The same for pixels u, v (H, W), one by one."""
+    normalised = undistorted(intrinsics, np.stack([u, v], axis=-1).reshape(-1, 2))
+    pixels = normalised * (intrinsics.fx_px, intrinsics.fy_px) + (intrinsics.cx_px, intrinsics.cy_px)
+    return np.asarray(pixels.reshape(*u.shape, 2))
 
 
 def pinhole_camera(camera: Camera, lens: Lens) -> Camera:

@@ -1,11 +1,12 @@
 """The rail world: vehicles on a plant, filmed by a rig of cameras, with exact truth."""
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Protocol
 
 from contracts import Camera, Frame, InputError, Survey
-from contracts.truth import Step, Truth
+from contracts.truth import CameraTruth, Step, Truth
 from rail import Plant
 from sim.board import BOARD, board_views
 from sim.lens import Lens
@@ -76,11 +77,11 @@ class RailWorld:
         return len(self._times_ns)
 
     def steps(self) -> Iterator[Step]:
-        """Film the run from its start."""
+        """Film the run from its start; other processes begin with it at once, before the first step is asked for."""
+        states, filmed = itertools.tee(self._motion.run(self._times_ns))
         if not self._film:
-            yield from (Step((), state) for state in self._motion.run(self._times_ns))
-            return
-        from sim.crew import FilmSpec, film  # loads OpenGL
+            return (Step((), state) for state in states)
+        from sim.crew import FilmSpec, film
 
         spec = FilmSpec(
             self._scene,
@@ -91,10 +92,7 @@ class RailWorld:
             keep_instances=self._keep_instances,
             renderer=self._renderer,
         )
-        states = list(self._motion.run(self._times_ns))
-        for state, takes in zip(states, film(spec, states, workers=self._workers), strict=True):
-            frames, views = zip(*takes, strict=True)
-            yield Step(frames, replace(state, cameras=views))
+        return map(_step, states, film(spec, filmed, workers=self._workers))
 
     def board_views(self, camera: str) -> Iterator[Frame]:
         """The checkerboard in many poses before ``camera``; InputError if the rig has no such camera."""
@@ -110,3 +108,8 @@ class RailWorld:
             seed=self._seed,
             noise_seed=self._noise_seed,
         )
+
+
+def _step(state: Truth, takes: Sequence[tuple[Frame, CameraTruth]]) -> Step:
+    frames, views = zip(*takes, strict=True)
+    return Step(frames, replace(state, cameras=views))

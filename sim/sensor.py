@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from contracts import ImageArray, InputError
 from sim.streams import stream
@@ -42,9 +43,9 @@ class Sensor:
         self._concern = f"noise/{camera}"
         self._seed = noise_seed
         shape = (height_px + _POOL_SPARE_PX, width_px + _POOL_SPARE_PX, 3)
-        noise = np.rint(stream(noise_seed, self._concern).normal(0.0, spec.noise, shape)) if spec.noise else np.zeros(1)
-        self._brighter = np.clip(noise, 0, 255).astype(np.uint8)  # two unsigned halves: saturating sums are fastest
-        self._darker = np.clip(-noise, 0, 255).astype(np.uint8)
+        drawn = stream(noise_seed, self._concern).integers(0, 1 << 16, shape if spec.noise else 1, np.uint16)
+        brighter, darker = _whole_normals(spec.noise)  # two unsigned halves: saturating sums are fastest
+        self._brighter, self._darker = brighter.take(drawn), darker.take(drawn)
 
     @property
     def reach_px(self) -> int:
@@ -76,3 +77,11 @@ class Sensor:
         window = np.s_[top : top + image.shape[0], left : left + image.shape[1]]
         noisy = cv2.add(image, self._brighter[window])
         return np.asarray(cv2.subtract(noisy, self._darker[window], dst=noisy), np.uint8)
+
+
+def _whole_normals(sigma: float) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """2^16 equally likely values of a normal distribution, rounded to whole levels: what is above 0, what is below."""
+    bounds = np.arange(-254.5, 255.0)
+    below = [0.5 * math.erfc(-bound / (math.sqrt(2.0) * max(sigma, 1e-9))) for bound in bounds.tolist()]
+    levels = np.searchsorted(below, (np.arange(1 << 16) + 0.5) / (1 << 16)) - 255
+    return np.clip(levels, 0, 255).astype(np.uint8), np.clip(-levels, 0, 255).astype(np.uint8)

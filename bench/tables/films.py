@@ -12,7 +12,7 @@ import numpy as np
 
 from bench.jobs import manifest_of
 from bench.recording import Manifest, RecordedStep, Recording
-from bench.wiring import Stages, make_chain
+from bench.wiring import Stages, board_lenses, calibrated_cameras, make_chain
 from contracts import Camera, FloatArray, Perceiver, Tracks
 from contracts.truth import Step, Truth
 from scenarios.schema import Scenario
@@ -53,8 +53,12 @@ def film(scenario: Scenario, *, frames: int | None = None, stages: Stages | None
     stages: says how the cameras are calibrated; from what they see, if not given.
     """
     world = build_world(scenario, workers=os.cpu_count() or 1)
-    steps = tuple(islice(world.steps(), frames))
-    return Film(scenario, manifest_of(scenario, world, stages or Stages(), steps[0].frames), steps)
+    stages = stages or Stages()
+    filmed = world.steps()
+    lenses = board_lenses(world, stages)
+    steps = tuple(islice(filmed, frames))
+    calibrated = calibrated_cameras(world, lenses, steps[0].frames)
+    return Film(scenario, manifest_of(scenario, world, stages, calibrated), steps)
 
 
 def watch(shown: Film, method: str, make_perceiver: Callable[[Camera], Perceiver]) -> Watched:

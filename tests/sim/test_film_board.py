@@ -15,7 +15,7 @@ PATTERN = (BOARD.columns, BOARD.rows)
 
 def found_corners(image, expected):
     refined = cv2.cornerSubPix(
-        cv2.cvtColor(image, cv2.COLOR_BGR2GRAY),
+        image,
         expected.astype(np.float32).reshape(-1, 1, 2),
         (5, 5),
         (-1, -1),

@@ -26,6 +26,12 @@ WINDOW_NS = 400_000_000  # over which a direction is measured
 LEAST_MOVE_M = 0.01  # within the window; a vehicle that moves less has no direction
 _SIDE = 0.12  # of the width: texts so near to a side run away from it
 _PAPER_BGR = (227, 233, 236)  # where no camera looks
+EXPLANATION = (
+    "Every camera's frame warped to the floor, north up. Dots: the fused positions, with the direction of travel "
+    "over the last 0.4 s. Rings: where a switch shows its white spot, filled while it does; the table says how the "
+    "switch lies as seen from each vehicle under way in its direction (left or right, paper R's table 2). Switch "
+    "states are the true ones."
+)
 _ARROWS = {Compass.NORTH: "↑", Compass.SOUTH: "↓", Compass.WEST: "←", Compass.EAST: "→"}
 
 

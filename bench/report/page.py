@@ -8,7 +8,7 @@ from bench.report.charts import Figure, coverage, error_cloud, error_over_time, 
 from bench.report.document import chart, document, section
 from bench.report.headline import people_read
 from bench.report.material import ReportedRun
-from bench.report.mosaic import mosaics_html
+from bench.report.mosaic import EXPLANATION, mosaics_html
 from bench.report.pictures import picture_html, sample_pictures
 from bench.report.plan import error_map, magnification, plan
 
@@ -99,15 +99,7 @@ def _trust(run: ReportedRun, key: str, charts: dict[str, Figure]) -> str:
 
 def _mosaic(run: ReportedRun) -> str:
     figures = mosaics_html(run)
-    says = (
-        "Every camera's frame warped to the floor, north up. Dots: the fused positions, with the direction of "
-        "travel over "
-        "the last 0.4 s. Rings: where a switch shows its white spot, filled while it does; the table says how "
-        "the switch "
-        "lies as seen from each vehicle under way in its direction (left or right, paper R's table 2). Switch "
-        "states are the true ones."
-    )
-    return section("The mosaic", says, figures) if figures else ""
+    return section("The mosaic", EXPLANATION, figures) if figures else ""
 
 
 def _what_was_seen(run: ReportedRun) -> str:

@@ -48,9 +48,9 @@ def figure19(tracking: Sequence[Watched], detection: Sequence[Watched]) -> Part:
     )
     method = tracking[0].method if tracking else ""
     says = (
-        f"Frames per second of processor time on one thread, frames in memory: “{method}” against the same detector in "
-        "every frame. One camera: the rig's first. All cameras: moments per second, where every camera's frame of the "
-        "moment is looked at."
+        f"Frames per second of processor time on one thread, frames in memory: “{method}” against the same detector "
+        "in every frame. One camera: the rig's first. All cameras: moments per second, where every camera's frame "
+        "of the moment is looked at."
     )
     return Part(
         "figure19",

@@ -47,13 +47,10 @@ def figure21(watched: Sequence[Watched]) -> Part:
         "paper, if it means m",
     )
     says = (
-        f"Fused positions of “{watched[0].method if watched else ''}”, calibrated cameras, every vehicle of which "
-        "80 % is "
-        f"visible: {len(errors_m)} positions; 95 % are closer than {number(value['p95_m'], '.2f', 1e3)} mm, the "
-        "farthest "
-        f"{number(value['max_m'], '.2f', 1e3)} mm. The paper measured ten points with a caliper. The chart and "
-        "the second "
-        "table show ten of ours, evenly spread over the sequences."
+        f"Fused positions of “{watched[0].method if watched else ''}”, calibrated cameras, every vehicle of which 80 "
+        f"% is visible: {len(errors_m)} positions; 95 % are closer than {number(value['p95_m'], '.2f', 1e3)} mm, the "
+        f"farthest {number(value['max_m'], '.2f', 1e3)} mm. The paper measured ten points with a caliper. The chart "
+        "and the second table show ten of ours, evenly spread over the sequences."
     )
     ten = _spread(hits)
     return Part(

@@ -30,6 +30,10 @@ class Film:
     manifest: Manifest
     steps: tuple[Step, ...]
 
+    def thinned(self, every: int) -> "Film":
+        """Every so-manyth step of it."""
+        return replace(self, steps=self.steps[::every])
+
 
 @dataclass(frozen=True, eq=False)
 class Watched:
@@ -81,7 +85,8 @@ def watch(shown: Film, method: str, make_perceiver: Callable[[Camera], Perceiver
     chain = make_chain(Stages(), perceive, shown.manifest.calibrated_cameras)
     recorded = []
     with one_thread():
-        for index, step in enumerate(shown.steps):
+        for step in shown.steps:
+            index = step.frames[0].index
             seen = chain.perceive(step)
             views = chain.locate(step, seen)
             fused = chain.fuse(views)

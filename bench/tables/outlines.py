@@ -34,12 +34,12 @@ class Outlines:
     overlaps: FloatArray
 
 
-def outlines(shown: Film, detectors: Mapping[str, OutlineDetector], *, every: int = 1) -> Outlines:
-    """What ``detectors``, by their camera's name, accept in every so-manyth step of a film."""
+def outlines(shown: Film, detectors: Mapping[str, OutlineDetector]) -> Outlines:
+    """What ``detectors``, by their camera's name, accept in a film."""
     with one_thread():
         rows = [
             row
-            for step in shown.steps[::every]
+            for step in shown.steps
             if step.truth is not None
             for row in _of_step(step.frames, step.truth, detectors)
         ]

@@ -30,9 +30,8 @@ def owners(watched: Sequence[Watched]) -> Part:
     rows = tuple(_row(light, fused, stages) for light, (fused, stages) in parts.items())
     says = (
         "Fused: root mean square of the position errors per axis. Stages: root mean square, over both axes "
-        "together, of the "
-        "parts into which the error of each single camera falls; they add up vector by vector. The owner is the "
-        "largest of them."
+        "together, of the parts into which the error of each single camera falls; they add up vector by vector. The "
+        "owner is the largest of them."
     )
     chart = _bars({light: stages for light, (_, stages) in parts.items()})
     return Part("owners", "Who owns the rest", says, (Grid(HEAD, rows),), (chart,), tuple(scores))

@@ -15,7 +15,7 @@ from bench.tables.part import Grid, Part
 def print_parts(parts: Sequence[Part], console: Console | None = None) -> None:
     """Every part's title, explanation and tables."""
     console = console or Console()
-    for part in parts:
+    for part in (part for part in parts if part.grids):
         console.print(f"\n[bold]{part.title}[/bold]")
         console.print(part.says, style="dim", highlight=False, markup=False)
         for grid in part.grids:
@@ -35,7 +35,7 @@ def tables_page(title: str, facts: Sequence[str], parts: Sequence[Part]) -> str:
 def _content(part: Part, charts: dict[str, Figure]) -> str:
     drawn = [chart(charts, f"{part.name}-{k}", figure) for k, figure in enumerate(part.charts)]
     shown = f'<div class="pair">{"".join(drawn)}</div>' if len(drawn) > 1 else "".join(drawn)
-    return "".join(tables.table(grid.head, grid.rows) for grid in part.grids) + shown
+    return "".join(tables.table(grid.head, grid.rows) for grid in part.grids) + shown + part.picture
 
 
 def _terminal(grid: Grid) -> Table:

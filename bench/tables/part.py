@@ -1,7 +1,7 @@
 """A part of the remade evaluation, before anybody has decided whether it goes to a terminal, a page or a program."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from bench.report.charts import Figure
 from bench.scores import Score
@@ -23,6 +23,7 @@ class Part:
 
     name: short and stable, for the names of charts. says: what was measured how, in a sentence or two.
     scores: the figures for programs; their names begin with ``name``.
+    picture: HTML of a figure that is no chart; on the page only.
     """
 
     name: str
@@ -30,7 +31,8 @@ class Part:
     says: str
     grids: tuple[Grid, ...] = ()
     charts: tuple[Figure, ...] = ()
-    scores: tuple[Score, ...] = field(default=())
+    scores: tuple[Score, ...] = ()
+    picture: str = ""
 
 
 def number(value: float | None, form: str = ".2f", factor: float = 1.0) -> str:

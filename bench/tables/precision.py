@@ -24,12 +24,11 @@ def precision(trackers: Mapping[str, Sequence[Watched]]) -> Part:
     scores = [score for name, watched in trackers.items() for score in _scores(name, seen[name], watched)]
     rows = [_row(name, [one for one in scores if one.name.startswith(f"precision.{name}.")]) for name in trackers]
     says = (
-        "Left: share of the vehicles to be found whose roof's centre was placed within a distance in the image. Right: "
-        "share whose roof was overlapped by more than a share (IoU of rotated rectangles). A vehicle that is "
-        "lost, or is "
-        "tracked under another's name, is outside of every threshold. Every tracker saw the same frames. The "
-        "paper quotes "
-        "its figure 18 from other videos, so there is no figure of its own to stand beside these."
+        "Left: share of the vehicles to be found whose roof's centre was placed within a distance in the image. "
+        "Right: share whose roof was overlapped by more than a share (IoU of rotated rectangles). A vehicle that is "
+        "lost, or is tracked under another's name, is outside of every threshold. Every tracker saw the same "
+        "frames. The paper quotes its figure 18 from other videos, so there is no figure of its own to stand beside "
+        "these."
     )
     charts = (
         _curves(seen, "distance of the centres, px", DISTANCE_STEPS_PX, "precision", logarithmic=True),

@@ -12,6 +12,7 @@ from bench.plugins import require_methods
 from bench.recording import Manifest
 from bench.report.document import write_whole
 from bench.scores import write_scores
+from bench.tables.figure15 import figure15
 from bench.tables.figure19 import figure19
 from bench.tables.figure21 import figure21
 from bench.tables.films import Film, Watched, film, watch
@@ -28,7 +29,8 @@ from scenarios.schema import Scenario
 
 TITLE = "Paper R's tables, remade"
 PAGE_NAME = "tables.html"
-MASKS_EVERY = 5  # steps: masks cost another detection each
+DETECTORS_EVERY = 5  # steps: detectors have no memory, and some of them are slow
+LEAST_STEPS = 20  # that detectors are shown, if the film has so many
 
 
 @dataclass
@@ -39,22 +41,26 @@ class Evaluation:
     detectors: dict[str, list[Watched]] = field(default_factory=dict)
     masks: dict[str, list[Outlines]] = field(default_factory=dict)
     trackers: dict[str, list[Watched]] = field(default_factory=dict)
+    mosaic: Part | None = None
 
     def add(self, shown: Film) -> None:
         """Show a film to every detector and tracker; the film itself is not kept."""
         self.manifests.append(shown.manifest)
+        still = shown.thinned(min(DETECTORS_EVERY, max(1, len(shown.steps) // LEAST_STEPS)))
         for name, detector in TABLE_DETECTORS.items():
             stages = Stages(detector=detector)
-            self.detectors.setdefault(name, []).append(watch(shown, name, stages.make_perceiver))
-            self.masks.setdefault(name, []).append(outlines(shown, _detectors(stages, shown), every=MASKS_EVERY))
+            self.detectors.setdefault(name, []).append(watch(still, name, stages.make_perceiver))
+            self.masks.setdefault(name, []).append(outlines(still, _detectors(stages, still)))
         for name, stages in TABLE_TRACKERS.items():
             self.trackers.setdefault(name, []).append(watch(shown, name, stages.make_perceiver))
+        *_, own = self.trackers.values()
+        self.mosaic = self.mosaic or figure15(shown, own[-1])
 
     def parts(self) -> list[Part]:
         """All tables and figures. The first tracker is detection in every frame, the last one the chain's own."""
         detection, *_ = self.trackers.values()
         *_, own = self.trackers.values()
-        return [
+        parts = [
             table3(self.detectors, self.masks),
             precision(self.trackers),
             figure19(own, detection),
@@ -62,6 +68,7 @@ class Evaluation:
             owners(own),
             table1(self.manifests),
         ]
+        return [*parts, self.mosaic] if self.mosaic else parts
 
 
 def _detectors(stages: Stages, shown: Film) -> dict[str, OutlineDetector]:

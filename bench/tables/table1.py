@@ -36,12 +36,10 @@ def table1(manifests: Sequence[Manifest]) -> Part:
     scores = [score for manifest in manifests for score in _scores(manifest)]
     says = (
         f"The cameras of “{first.scenario}” as calibrated from the checkerboard and the marks on its own first "
-        "frame, beside "
-        "the true ones, in the paper's axes (z down). Focal length and height trade against each other for a "
-        "camera that "
-        "looks straight down; the last table says what that leaves on image and floor, for every sequence. The paper's "
-        "cameras are others, and its translation is in a unit that it does not name (2.8 m of height are 24 of it); it "
-        "prints camera 2's r2 twice."
+        "frame, beside the true ones, in the paper's axes (z down). Focal length and height trade against each "
+        "other for a camera that looks straight down; the last table says what that leaves on image and floor, for "
+        "every sequence. The paper's cameras are others, and its translation is in a unit that it does not name "
+        "(2.8 m of height are 24 of it); it prints camera 2's r2 twice."
     )
     return Part("table1", "Table 1: calibration", says, (*grids, _errors(manifests)), scores=tuple(scores))
 

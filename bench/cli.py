@@ -68,9 +68,13 @@ def list_() -> None:
 @app.command()
 def run(
     scenarios: Annotated[list[str] | None, typer.Argument(help="Names or TOML files.", metavar="SCENARIO...")] = None,
-    detector: Annotated[str | None, typer.Option(help="hbp, crd, ccr, gmm, or your own: my_pkg.mod:Mine.")] = None,
+    detector: Annotated[
+        str | None, typer.Option(help="In every frame: hbp, crd, ccr, gmm, or your own: my_pkg.mod:Mine.")
+    ] = None,
     tracker: Annotated[str | None, typer.Option(help="Your own: my_pkg.mod:Mine.")] = None,
-    perceiver: Annotated[str | None, typer.Option(help="Detector and tracker in one: my_pkg.mod:Mine.")] = None,
+    perceiver: Annotated[
+        str | None, typer.Option(help="Detector and tracker in one: hybrid, kcf, mosse, or your own: my_pkg.mod:Mine.")
+    ] = None,
     model: Annotated[Path | None, typer.Option(help="Colour models from gantry learn.")] = None,
     locator: Annotated[str, typer.Option(help="ray, or plane0 for the naive projection to z = 0.")] = "ray",
     oracle: Annotated[list[str] | None, typer.Option(help="Give a stage the truth: detect, calibrate, locate.")] = None,

@@ -1,6 +1,6 @@
 """Chooses the stages of a run: the only place that knows which implementation serves by default."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,6 +19,7 @@ from perception.baselines.colour_range import ColourRange
 from perception.baselines.colour_ratio import ColourRatio
 from perception.colour_models import SHIPPED, ColourModels
 from perception.hbp import HistogramBackProjection
+from perception.hybrid import HybridTracker
 from perception.identity import ColourIdentity
 from perception.perceiver import DetectThenTrack
 from sim.renderer import RendererName
@@ -29,6 +30,9 @@ DETECTORS: dict[str, Callable[[ColourModels, Camera], Detector]] = {
     "ccr": ColourRatio,
     "gmm": ColourMixture,
 }
+PERCEIVERS: dict[str, Callable[[ColourModels, Camera], Perceiver]] = {
+    "hybrid": HybridTracker,
+}
 LOCATORS = {"ray": RayPlaneLocator, "plane0": GroundPlaneLocator}
 
 
@@ -36,8 +40,8 @@ LOCATORS = {"ray": RayPlaneLocator, "plane0": GroundPlaneLocator}
 class Stages:
     """Which implementation serves each stage: None for the bench's own, or a path such as ``my_pkg.mod:Mine``.
 
-    detector: also one of ``DETECTORS``.
-    perceiver: replaces detector and tracker where given.
+    detector: also one of ``DETECTORS``; it searches every frame.
+    perceiver: replaces detector and tracker; also one of ``PERCEIVERS``, whose first one serves where nothing is given.
     model: file of colour models for the bench's own detector.
     locator: ``ray`` meets the plane at the anchor's height; ``plane0`` is the naive projection to z = 0.
     oracles: stages that are given the truth.
@@ -70,18 +74,34 @@ class Stages:
         """The implementation of every stage, for the manifest."""
         if not self.needs_film:
             return {"locator": "oracle"}
-        detector = self.detector or "hbp"
-        detector = f"{detector} ({self.model.name})" if detector in DETECTORS else detector
-        eyes = {"detector": detector, "tracker": self.tracker or "colour identity"}
-        if self.perceiver or "detect" in self.oracles:
-            eyes = {"perceiver": "oracle" if "detect" in self.oracles else str(self.perceiver)}
         calibrator = "oracle" if "calibrate" in self.oracles else "checkerboard and control points"
-        return {**eyes, "calibrator": calibrator, "locator": self.locator, "fuser": "covariance"}
+        return {**self._eyes(), "calibrator": calibrator, "locator": self.locator, "fuser": "covariance"}
+
+    def _eyes(self) -> dict[str, str]:
+        if "detect" in self.oracles:
+            return {"perceiver": "oracle"}
+        if self._whole is not None:
+            return {"perceiver": self._with_model(self._whole, PERCEIVERS)}
+        return {
+            "detector": self._with_model(self.detector or "hbp", DETECTORS),
+            "tracker": self.tracker or "colour identity",
+        }
+
+    def _with_model(self, name: str, own: Collection[str]) -> str:
+        return f"{name} ({self.model.name})" if name in own else name
+
+    @property
+    def _whole(self) -> str | None:
+        """The perceiver that serves, if it is not put together from a detector and a tracker."""
+        default = None if self.detector or self.tracker else next(iter(PERCEIVERS))
+        return self.perceiver or default
 
     def make_perceiver(self, camera: Camera) -> Perceiver:
         """A fresh perceiver for one camera, which is told what the camera's owner knows of it."""
-        if self.perceiver:
-            whole: Perceiver = load_object(self.perceiver, Perceiver)
+        if self._whole in PERCEIVERS:
+            return PERCEIVERS[self._whole](ColourModels.load(self.model), camera)
+        if self._whole is not None:
+            whole: Perceiver = load_object(self._whole, Perceiver)
             return whole
         tracker: Tracker = load_object(self.tracker, Tracker) if self.tracker else ColourIdentity()
         return DetectThenTrack(self.make_detector(camera), tracker)
@@ -98,7 +118,10 @@ class Stages:
 TABLE_DETECTORS = {"CRD": "crd", "CCR": "ccr", "GMM": "gmm", "HBP": "hbp"}
 """Detectors that the remade tables compare, by the paper's name."""
 
-TABLE_TRACKERS: dict[str, Stages] = {"detection in every frame": Stages()}
+TABLE_TRACKERS: dict[str, Stages] = {
+    "detection in every frame": Stages(detector="hbp"),
+    "hybrid": Stages(perceiver="hybrid"),
+}
 """Perceivers that the remade tables compare; the last one is the chain's own."""
 
 

@@ -1,0 +1,219 @@
+"""The hybrid tracker of paper R: the whole frame searched at the start, now and then, and on loss; in between a window.
+
+In every frame a vehicle is predicted by its last motion, sought there by its correlation filter, and its roof measured
+where the filter found it; that measurement is the anchor and proposes the next window, so that nothing drifts, on
+curves neither. A colour that shows up where it was not before calls the search at once, and so does a lost roof.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contracts import Camera, Detections, FloatArray, Frame, InputError, Tracks
+from perception.anchor import complete_roof
+from perception.colour_models import SHIPPED, ColourModel, ColourModels
+from perception.hbp import HistogramBackProjection
+from perception.identity import ColourIdentity
+from perception.kcf import CorrelationTracker
+from perception.model_views import ModelViews
+from perception.roof_following import FollowedRoof, follow_roof, start_following
+from perception.view import RoofView
+from perception.watch import ColourWatch
+
+CONFIDENT = 6.0  # peak to side lobe ratio from which the filter's peak is believed
+SAME_PX = 3.0  # a detection so near to a followed roof is the same vehicle
+
+
+@dataclass(frozen=True)
+class HybridSettings:
+    """How often what is done.
+
+    search_every: frames between searches of the whole frame, paper R's n.
+    watch_every: frames between looks for colours that show up.
+    doubts: searches in a row that may miss a vehicle that is followed, before it is given up.
+    """
+
+    search_every: int = 30
+    watch_every: int = 2
+    doubts: int = 2
+
+    def __post_init__(self) -> None:
+        for name in ("search_every", "watch_every", "doubts"):
+            if getattr(self, name) < 1:
+                raise InputError(f"HybridSettings.{name} = {getattr(self, name)} must be 1 or more")
+
+
+class HybridTracker:
+    """Perceiver: at most one vehicle of each colour.
+
+    models: what to look for; those shipped with the package if none are given.
+    camera: whose frames they will be, as well as it is known; if none is given, one like that of the training.
+    """
+
+    def __init__(
+        self, models: ColourModels | None = None, camera: Camera | None = None, settings: HybridSettings | None = None
+    ) -> None:
+        models = models or ColourModels.load(SHIPPED)
+        self._models = {model.label: model for model in models.models}
+        self._detector = HistogramBackProjection(models, camera)
+        self._model_views = ModelViews(models, camera)
+        self._watch = ColourWatch(models)
+        self._settings = settings or HybridSettings()
+        self._identity = ColourIdentity()
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all frames."""
+        self._detector.reset()
+        self._watch.reset()
+        self._identity.reset()
+        self._targets: dict[str, _Target] = {}
+        self._since_search = 0
+        self._unfollowed = True  # something may be there that only a search can find
+
+    def perceive(self, frame: Frame) -> Tracks:
+        """Tracks in ``frame``."""
+        followed = {label: target.followed(frame) for label, target in self._targets.items()}
+        self._targets = {label: target for label, target in followed.items() if target is not None}
+        self._since_search += 1
+        lost = len(self._targets) < len(followed)
+        found = self._searched(frame) if lost or self._search_due(frame) else None
+        return self._identity.update(frame, _detections(frame, self._targets, found))
+
+    def _search_due(self, frame: Frame) -> bool:
+        settings = self._settings
+        if self._unfollowed or self._since_search >= settings.search_every:
+            return True
+        return self._since_search % settings.watch_every == 0 and self._watch.stirs(frame.image, self._targets)
+
+    def _searched(self, frame: Frame) -> Detections:
+        """What the detector finds; the targets are started, confirmed or doubted by it."""
+        found = self._detector.detect(frame)
+        self._watch.settle(frame.image)
+        self._since_search = 0
+        rows = zip(found.labels, found.quads_px, strict=True)
+        confirmed = {label: self._confirmed(label, frame, quad_px) for label, quad_px in rows}
+        doubted = {label: self._targets[label].doubted() for label in self._targets if label not in confirmed}
+        self._unfollowed = None in confirmed.values()
+        self._targets = {label: target for label, target in confirmed.items() if target is not None} | {
+            label: target for label, target in doubted.items() if target.doubts < self._settings.doubts
+        }
+        return found
+
+    def _confirmed(self, label: str, frame: Frame, quad_px: FloatArray) -> "_Target | None":
+        """The target that a detection confirms or starts; None where its roof cannot be followed."""
+        roof = start_following(frame.image, quad_px)
+        if roof is None:
+            return None
+        known = self._targets.get(label)
+        if known is not None and np.abs(known.point_px - quad_px.mean(axis=0)).max() <= SAME_PX:
+            return known.measured(roof)
+        views = dict(zip(self._models, self._model_views.of(frame.image), strict=True))
+        return _Target.started(self._models[label], views[label], roof, frame)
+
+
+@dataclass(frozen=True, eq=False)
+class _Target:
+    """A vehicle that is followed.
+
+    seeker: knows what the vehicle looks like. velocity_px: (2,) and turn_rad per second.
+    shift_px: (2,) from the roof's middle to the anchor along the roof's axes, moments_px2: (2,) of the anchor's error
+        along them. visible: share of the roof that is seen. All three hold until the roof is fitted anew.
+    doubts: searches in a row that did not find it.
+    """
+
+    model: ColourModel
+    view: RoofView
+    roof: FollowedRoof
+    seeker: CorrelationTracker
+    time_ns: int
+    velocity_px: FloatArray
+    turn_rad: float
+    shift_px: FloatArray
+    moments_px2: FloatArray
+    visible: float
+    doubts: int = 0
+
+    @classmethod
+    def started(cls, model: ColourModel, view: RoofView, roof: FollowedRoof, frame: Frame) -> "_Target":
+        pose, seeker = roof.pose, CorrelationTracker()
+        seeker.start(frame.image, pose.centre_px, (float(pose.size_px[0]), float(pose.size_px[1])), pose.angle_rad)
+        return cls(model, view, roof, seeker, frame.time_ns, np.zeros(2), 0.0, *_completed(roof, model, view))
+
+    @property
+    def point_px(self) -> FloatArray:
+        pose = self.roof.pose
+        return np.asarray(pose.centre_px + self.shift_px @ pose.axes)
+
+    @property
+    def cov_px2(self) -> FloatArray:
+        axes = self.roof.pose.axes
+        return np.asarray((axes.T * self.moments_px2) @ axes)
+
+    def measured(self, roof: FollowedRoof) -> "_Target":
+        """The same vehicle in the same frame, measured anew."""
+        shift, moments, visible = _completed(roof, self.model, self.view)
+        return replace(self, roof=roof, shift_px=shift, moments_px2=moments, visible=visible, doubts=0)
+
+    def doubted(self) -> "_Target":
+        return replace(self, doubts=self.doubts + 1)
+
+    def followed(self, frame: Frame) -> "_Target | None":
+        """The same vehicle in the next frame; None where it is lost."""
+        past_s = (frame.time_ns - self.time_ns) * 1e-9
+        if past_s <= 0:
+            return None
+        before = self.roof.pose
+        expected = before.displaced(self.velocity_px * past_s, self.turn_rad * past_s)
+        found = self.seeker.find(frame.image, expected.centre_px, expected.angle_rad)
+        if found.confidence >= CONFIDENT:
+            expected = expected.displaced(found.centre_px - expected.centre_px, 0.0)
+        roof = follow_roof(frame.image, self.roof, expected)
+        if roof is None:
+            return None
+        turn_rad = (roof.pose.angle_rad - before.angle_rad + np.pi) % (2 * np.pi) - np.pi
+        velocity_px = (roof.pose.centre_px - before.centre_px) / past_s
+        completed = self.shift_px, self.moments_px2, self.visible
+        if roof.age == 0:
+            completed = _completed(roof, self.model, self.view)
+            self.seeker.learn(frame.image, roof.pose.centre_px, roof.pose.angle_rad)
+        return _Target(
+            self.model,
+            self.view,
+            roof,
+            self.seeker,
+            frame.time_ns,
+            velocity_px,
+            turn_rad / past_s,
+            *completed,
+            self.doubts,
+        )
+
+
+def _completed(roof: FollowedRoof, model: ColourModel, view: RoofView) -> tuple[FloatArray, FloatArray, float]:
+    """Shift, moments and visible share of a target's anchor."""
+    axes, middle = roof.pose.axes, roof.pose.centre_px
+    anchor = complete_roof(roof.roof, model, view.at(middle))
+    moments = ((axes @ anchor.cov_px2) * axes).sum(axis=1)
+    return axes @ (anchor.point_px - middle), moments, anchor.visible
+
+
+def _detections(frame: Frame, targets: dict[str, _Target], found: Detections | None) -> Detections:
+    """The targets, and what was found beside them."""
+    seen = tuple(targets.values())
+    quads = np.array([target.roof.roof.quad_px for target in seen]).reshape(-1, 4, 2)
+    followed = Detections(
+        frame.camera,
+        frame.index,
+        frame.time_ns,
+        tuple(targets),
+        np.array([target.visible for target in seen]),
+        np.concatenate([quads.min(axis=1), quads.max(axis=1)], axis=1),
+        quads,
+        np.array([target.point_px for target in seen]).reshape(-1, 2),
+        np.array([target.model.roof_height_m for target in seen]),
+        np.array([target.cov_px2 for target in seen]).reshape(-1, 2, 2),
+    )
+    if found is None:
+        return followed
+    return followed.joined(found.take([row for row, label in enumerate(found.labels) if label not in targets]))

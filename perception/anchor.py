@@ -35,21 +35,18 @@ class Anchor:
 def find_anchor(image: ImageArray, silhouette: Silhouette, model: ColourModel, view: RoofView) -> Anchor:
     """The roof's centre within a silhouette."""
     local = view.at(silhouette.quad_px.mean(axis=0))
-    roof = roof_in(image, silhouette, -local.lean_px)
+    roof = roof_in(image, silhouette, local)
     return _rough(silhouette, model) if roof is None else complete_roof(roof, model, view.at(roof.centre_px))
 
 
-def roof_in(image: ImageArray, silhouette: Silhouette, outward: FloatArray) -> Roof | None:
-    """The roof measured within a silhouette; None where no roof can be told from the walls.
-
-    outward: (2,) direction away from the point below the camera.
-    """
+def roof_in(image: ImageArray, silhouette: Silhouette, view: LocalView) -> Roof | None:
+    """The roof measured within a silhouette; None where no roof can be told from the walls."""
     (left, top), (height, width) = silhouette.origin_px, silhouette.mask.shape
     window = image[top : top + height, left : left + width]
-    seed = seed_quad(window, silhouette.mask, outward)
+    seed = seed_quad(window, silhouette.mask, -view.lean_px)
     if seed is None:
         return None
-    roof = measure_roof(window, seed)
+    roof = measure_roof(window, seed, view.lean_px)
     near = np.abs(roof.centre_px - seed.mean(axis=0)).max() <= FARTHEST_PX
     return roof.shifted(silhouette.origin_px) if near else None
 

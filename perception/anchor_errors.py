@@ -40,7 +40,7 @@ def anchor_moments(known: Sequence[KnownRoof]) -> dict[str, Pair]:
     errors: dict[str, tuple[list[float], list[float]]] = {regime: ([], []) for regime in REGIMES}
     left_out: tuple[list[float], list[float]] = ([], [])
     for example in known:
-        roof = roof_in(example.window, example.silhouette, -example.view.lean_px)
+        roof = roof_in(example.window, example.silhouette, example.view)
         if roof is None:
             continue
         anchor = complete_roof(roof, example.model, example.view)

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ndtr
 
-from contracts import FloatArray
+from contracts import BoolArray, FloatArray
 
 BLUR_PX = 0.8  # standard deviation of lens, antialiasing and sampling together
 SHADE = 0.5  # a wall faces the horizon and gets about half of the roof's light ...
@@ -29,12 +29,13 @@ ROOF_T_PX = -3.5  # inside of this the profile shows the roof alone
 REACH_SIGMA_PX = 4.0  # what lies farther out than this matters little
 SIGMA_SHARE = 0.045  # of the contrast, by which a profile may depart from its model: light must not decide on walls
 LEAST_SIGMA = 0.5  # grey levels; what rounding to whole levels leaves
-WALL_STARTS_PX = (0.0, 1.0, 4.0)  # the fit may find another minimum from each
+LEAST_SHADE = 0.05
+WALL_STARTS_PX = (1.0, 4.0)  # the fit may find another minimum from each
 _ITERATIONS = 8
-_LARGEST_STEP = np.array([1.0, 1.0, 0.2, 200.0, 200.0, 200.0])
+_LARGEST_STEP = np.array([1.0, 1.0, 0.2])
 _DAMPING = 1e-3
 _SETTLED_PX = 0.005
-LEAST_SHADE = 0.05
+_SETTLED_COST = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,76 +51,101 @@ class EdgeFits:
     costs: FloatArray
 
 
-def fit_edges(profiles: FloatArray, t_px: FloatArray) -> EdgeFits:
-    """Fit S profiles by damped Gauss-Newton (Levenberg 1944), all at once.
+def fit_edges(profiles: FloatArray, t_px: FloatArray, walls_px: FloatArray | None = None) -> EdgeFits:
+    """Fit S profiles, all at once.
 
     profiles: (S, T, 3) mean BGR at the offsets ``t_px`` (T,), which grow outwards; the roof ends near 0.
+    walls_px: (S,) about how wide the walls are, where that is known; if not, the fit starts from several widths.
     """
-    starts = len(WALL_STARTS_PX)
-    wall_start = np.repeat(WALL_STARTS_PX, len(profiles))  # (K S,)
-    parameters, costs = _fit(np.tile(profiles, (starts, 1, 1)), t_px, wall_start)
-    parameters, costs = parameters.reshape(starts, -1, 6), costs.reshape(starts, -1)
+    sides, reach = len(profiles), float(t_px[-1])
+    starts = [np.full(sides, start) for start in WALL_STARTS_PX] if walls_px is None else [walls_px]
+    ends = np.concatenate([np.zeros(sides), *(np.clip(start, WALL_STARTS_PX[0], reach) for start in starts)])
+    copies = 1 + len(starts)
+    edges, ends, costs = (each.reshape(copies, sides) for each in _fit(np.tile(profiles, (copies, 1, 1)), t_px, ends))
     best = 1 + np.argmin(costs[1:], axis=0)  # (S,)
-    pick = np.stack([np.zeros_like(best), best]), np.arange(len(profiles))
-    return EdgeFits(parameters[pick][..., 0], parameters[pick][..., 1], costs[pick])
+    pick = np.stack([np.zeros_like(best), best]), np.arange(sides)
+    return EdgeFits(edges[pick], (ends - edges)[pick], costs[pick])
 
 
-def _fit(profiles: FloatArray, t_px: FloatArray, wall_start_px: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Parameters (S, 6): edge, wall, shade, background (3), and costs (S,). A wall that starts at 0 stays 0."""
-    roof = profiles[:, t_px <= ROOF_T_PX].mean(axis=1)  # (S, 3)
-    background = profiles[:, t_px >= t_px[-1] - 2].mean(axis=1)  # (S, 3)
-    shade = np.full_like(wall_start_px, SHADE)
-    lengths = np.stack([np.zeros_like(wall_start_px), wall_start_px, shade], axis=1)
-    parameters = np.concatenate([lengths, background], axis=1)  # (S, 6)
-    sigma = np.maximum(SIGMA_SHARE * np.linalg.norm(roof - background, axis=1), LEAST_SIGMA)  # (S,)
-    weights = np.exp(-((t_px / REACH_SIGMA_PX) ** 2) / 2)[None, :] / sigma[:, None]  # (S, T)
-    free = np.ones_like(parameters)
-    free[wall_start_px == 0, 1:3] = 0
-    low, high = (np.array(limits) for limits in zip(*_limits(t_px), strict=True))
-    moving = np.ones(len(parameters), np.bool_)  # (S,) each profile stops by itself, whatever the others do
+def _fit(profiles: FloatArray, t_px: FloatArray, ends_px: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Edges (K,), outer ends of the walls (K,) and costs (K,). A wall that starts at 0 stays 0."""
+    profile = _Profiles.of(profiles, t_px, ends_px > 0)
+    parameters = np.stack([np.zeros_like(ends_px), ends_px, np.full_like(ends_px, SHADE)], axis=1)  # (K, 3)
+    plain = ~profile.walled
+    moving = np.ones((len(ends_px), 1), np.bool_)  # each profile stops by itself, whatever the others do
     for _ in range(_ITERATIONS):
-        residuals, jacobian = _residuals(profiles, t_px, roof, weights, parameters)
-        jacobian *= free[:, None, :]
-        transposed = jacobian.transpose(0, 2, 1)
-        step = np.linalg.solve(transposed @ jacobian + _DAMPING * np.eye(6), transposed @ residuals[..., None])
-        step = np.clip(step[..., 0], -_LARGEST_STEP, _LARGEST_STEP) * moving[:, None]
-        parameters = np.clip(parameters - step, low, high)
-        moving &= np.abs(step[:, :2]).max(axis=1) >= _SETTLED_PX
+        wanted, gain = profile.newton_step(parameters)
+        step = np.clip(wanted, -_LARGEST_STEP, _LARGEST_STEP) * moving
+        parameters += step
+        edge = parameters[:, 0] = np.clip(parameters[:, 0], t_px[0], t_px[-1])
+        parameters[:, 1] = np.where(plain, edge, np.clip(parameters[:, 1], edge, edge + t_px[-1]))
+        parameters[:, 2] = np.maximum(parameters[:, 2], LEAST_SHADE)
+        moving &= (np.abs(step[:, :1]) >= _SETTLED_PX) | (gain[:, None] >= _SETTLED_COST)
         if not moving.any():
             break
-    residuals, _ = _residuals(profiles, t_px, roof, weights, parameters)
-    return parameters, np.asarray((residuals**2).sum(axis=1) / 2)
+    return parameters[:, 0], parameters[:, 1], profile.costs(parameters)
 
 
-def _limits(t_px: FloatArray) -> list[tuple[float, float]]:
-    return [(t_px[0], t_px[-1]), (0.0, t_px[-1]), (LEAST_SHADE, np.inf)] + [(-np.inf, np.inf)] * 3
+@dataclass(frozen=True, eq=False)
+class _Profiles:
+    """K profiles (K, T, 3), the colours of their roofs (K, 3), weights (K, T), and which are fitted with a wall (K,).
+
+    The parameters (K, 3) are the edge, the outer end of the wall and its shade. The model is linear in the background's
+    colour, which is eliminated: variable projection (Golub and Pereyra 1973), in Kaufman's (1975) approximation. Each
+    derivative is a function of t times a colour, so the normal equations are products of small Gram matrices.
+    """
+
+    profiles: FloatArray
+    t_px: FloatArray
+    roof: FloatArray
+    weights: FloatArray
+    walled: BoolArray
+
+    @classmethod
+    def of(cls, profiles: FloatArray, t_px: FloatArray, walled: BoolArray) -> "_Profiles":
+        roof = profiles[:, t_px <= ROOF_T_PX].mean(axis=1)  # (K, 3)
+        background = profiles[:, t_px >= t_px[-1] - 2].mean(axis=1)
+        sigma = np.maximum(SIGMA_SHARE * np.linalg.norm(roof - background, axis=1), LEAST_SIGMA)
+        weights = np.exp(-((t_px / REACH_SIGMA_PX) ** 2)) / sigma[:, None] ** 2  # (K, T)
+        return cls(profiles, t_px, roof, weights, walled)
+
+    def newton_step(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(K, 3) Gauss-Newton step, the best background follows each; and (K,) by how much it should lower the cost."""
+        shapes, background, residuals = self._linearised(parameters)
+        shade = parameters[:, 2:]
+        face = np.where(self.walled[:, None], shade * self.roof, background)  # (K, 3) what follows the roof
+        colours = np.stack([self.roof - face, face - background, self.roof * self.walled[:, None]], axis=1)
+        weighted = shapes * self.weights[:, None]  # (K, 4, T)
+        gram = weighted @ shapes.transpose(0, 2, 1)  # (K, 4, 4)
+        spent = gram[:, :3, 3:] * gram[:, 3:, :3] / np.maximum(gram[:, 3:, 3:], 1e-9)
+        normal = (gram[:, :3, :3] - spent) * (colours @ colours.transpose(0, 2, 1))
+        right = np.einsum("kpc,kpc->kp", weighted[:, :3] @ residuals, colours)
+        normal[:, _DIAGONAL, _DIAGONAL] += _DAMPING
+        normal[:, 2, 2] += 1 / SHADE_SIGMA**2
+        right[:, 2] += (SHADE - shade[:, 0]) / SHADE_SIGMA**2
+        wanted = np.linalg.solve(normal, right[..., None])[..., 0]
+        return np.asarray(wanted), np.asarray((wanted * right).sum(axis=1) / 2)
+
+    def costs(self, parameters: FloatArray) -> FloatArray:
+        """(K,) half the weighted sum of squared residuals, the prior of the shade included."""
+        _, _, residuals = self._linearised(parameters)
+        prior = ((parameters[:, 2] - SHADE) / SHADE_SIGMA) ** 2
+        return np.asarray((np.einsum("ktc,ktc,kt->k", residuals, residuals, self.weights) + prior) / 2)
+
+    def _linearised(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """How edge, end, shade and background shape it (K, 4, T); best background (K, 3); residuals (K, T, 3)."""
+        past, slope = step((self.t_px - parameters[:, :2, None]) / BLUR_PX)  # (K, 2, T) each: past edge, past wall
+        shapes = np.empty((len(past), 4, len(self.t_px)))
+        shapes[:, :2], shapes[:, 2], shapes[:, 3] = slope, past[:, 0] - past[:, 1], past[:, 1]
+        share = 1 - past[:, 0] + parameters[:, 2:] * shapes[:, 2]  # (K, T) of the roof's colour
+        rest = self.profiles - share[..., None] * self.roof[:, None]
+        weighted = self.weights * past[:, 1]
+        power = np.maximum(np.einsum("kt,kt->k", weighted, past[:, 1]), 1e-9)
+        background = (weighted[:, None] @ rest)[:, 0] / power[:, None]
+        return shapes, background, rest - past[:, 1, :, None] * background[:, None]
 
 
-def _residuals(
-    profiles: FloatArray, t_px: FloatArray, roof: FloatArray, weights: FloatArray, parameters: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Weighted residuals (S, 3 T + 1), the last one the prior of the shade, and their Jacobian (S, 3 T + 1, 6)."""
-    sides, count = weights.shape
-    edge, wall, shade = parameters[:, :3].T[..., None]  # (S, 1) each
-    background = parameters[:, None, 3:]  # (S, 1, 3)
-    colour = roof[:, None, :]
-    past_edge, edge_slope = step((t_px - edge) / BLUR_PX)  # (S, T)
-    past_wall, wall_slope = step((t_px - edge - wall) / BLUR_PX)
-    share = (1 - past_edge) + shade * (past_edge - past_wall)  # (S, T) of the roof's colour
-    model = share[..., None] * colour + past_wall[..., None] * background  # (S, T, 3)
-    by_wall = wall_slope[..., None] * (shade[..., None] * colour - background)
-    by_edge = (edge_slope * (1 - shade))[..., None] * colour + by_wall
-    by_shade = (past_edge - past_wall)[..., None] * colour
-    by_background = past_wall[..., None, None] * np.eye(3)  # (S, T, 3, 3)
-    jacobian = np.concatenate([np.stack([by_edge, by_wall, by_shade], axis=-1), by_background], axis=-1)
-    residuals = (model - profiles) * weights[..., None]
-    jacobian = jacobian * weights[..., None, None]
-    prior = np.zeros((sides, 1, 6))
-    prior[:, 0, 2] = 1 / SHADE_SIGMA
-    return (
-        np.concatenate([residuals.reshape(sides, 3 * count), (shade - SHADE) / SHADE_SIGMA], axis=1),
-        np.concatenate([jacobian.reshape(sides, 3 * count, 6), prior], axis=1),
-    )
+_DIAGONAL = np.arange(3)
 
 
 def step(z: FloatArray) -> tuple[FloatArray, FloatArray]:

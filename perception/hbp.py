@@ -1,8 +1,8 @@
 """Histogram back-projection: finds in the whole image the vehicle of each colour.
 
 The chain is that of Swain and Ballard (1991, eq. 3 and 4): ratio histogram R = min(M / I, 1) on hue and saturation,
-back-projected, convolved with a disc of the object's area; then threshold, closing, dilation, contour, rotated box, and
-gates on area, side ratio and rectangularity. It runs twice: on every few pixels of the whole frame to propose
+back-projected, summed over a square of the object's area (paper R: a disc); then threshold, closing, contour, rotated
+box, and gates on area, side ratio and rectangularity. It runs twice: on every few pixels of the whole frame to propose
 windows, then at full resolution inside them, where the roof is measured.
 """
 
@@ -20,7 +20,7 @@ from perception.silhouette import Silhouette, silhouette_at
 from perception.view import RoofView
 
 PROPOSALS = 3  # windows looked at per colour before giving up
-DENSITY_MIN = 0.25  # share of the disc that must have the colour
+DENSITY_MIN = 0.25  # share of the square that must have the colour
 CELLS_ACROSS = 6.0  # the roof's short side covers at least so many cells of the coarse image
 
 
@@ -53,14 +53,12 @@ class HistogramBackProjection:
     def _outlines(self, image: ImageArray) -> Iterator[tuple[ColourModel, RoofView, Silhouette]]:
         views = self._views.of(image)
         middle = np.array(image.shape[1::-1]) / 2
-        sizes_px = [
-            np.array(model.roof_size_m) * view.at(middle).px_per_m
-            for model, view in zip(self._models.models, views, strict=True)
-        ]
-        stride = max(1, int(min(size.min() for size in sizes_px) / CELLS_ACROSS))
-        coarse = hue_saturation_value(image[::stride, ::stride].copy())
+        scale = min(view.at(middle).px_per_m for view in views)
+        stride = max(1, int(min(model.roof_size_m[1] for model in self._models.models) * scale / CELLS_ACROSS))
+        coarse = hue_saturation_value(_every(stride, image))
         image_histogram = histogram(coarse) * stride**2
-        for model, view, size_px in zip(self._models.models, views, sizes_px, strict=True):
+        for model, view in zip(self._models.models, views, strict=True):
+            size_px = np.array(model.roof_size_m) * scale
             ratio = ratio_histogram(model.histogram * float(np.prod(size_px)), image_histogram)
             peaks_px = [peak * stride for peak in _peaks(back_projection(coarse, ratio), size_px / stride)]
             outlines = [silhouette_at(image, peak_px, ratio, model, view.at(peak_px)) for peak_px in peaks_px]
@@ -69,29 +67,29 @@ class HistogramBackProjection:
                 yield model, view, max(passed, key=lambda outline: outline.area_px)
 
 
-def _peaks(likelihood: ImageArray, size: FloatArray) -> list[FloatArray]:
-    """Places (column, row) where a disc of the vehicle's area is best filled with its colour, best first.
+def _every(stride: int, image: ImageArray) -> ImageArray:
+    """(H // s, W // s, 3) every so-manyth row and column."""
+    rows, columns = max(image.shape[0] // stride, 1), max(image.shape[1] // stride, 1)
+    cropped = image[: rows * stride, : columns * stride]
+    return np.asarray(cv2.resize(cropped, (columns, rows), interpolation=cv2.INTER_NEAREST), np.uint8)
 
-    size: (2,) of the roof, in cells of ``likelihood``.
+
+def _peaks(likelihood: ImageArray, size: FloatArray) -> list[FloatArray]:
+    """Places (column, row) where a square of the vehicle's area is best filled with its colour, best first.
+
+    size: (2,) of the roof, in cells of ``likelihood``. Paper R takes a disc; a square's sum costs the same however
+    large it is, and the window that a peak proposes is larger than what the two differ by.
     """
-    radius = float(np.sqrt(np.prod(size) / np.pi))
-    density = cv2.filter2D(likelihood, cv2.CV_32F, disc(radius), borderType=cv2.BORDER_CONSTANT)
+    side = max(1, round(float(np.sqrt(np.prod(size)))))
+    density = cv2.boxFilter(likelihood, cv2.CV_32F, (side, side), borderType=cv2.BORDER_CONSTANT)
     peaks: list[FloatArray] = []
     for _ in range(PROPOSALS):
         _, value, _, (column, row) = cv2.minMaxLoc(density)
         if value < DENSITY_MIN * 255:
             break
         peaks.append(np.array([column, row], np.float64))
-        cv2.circle(density, (column, row), round(2 * radius), 0.0, thickness=-1)
+        cv2.circle(density, (column, row), round(1.2 * side), 0.0, thickness=-1)
     return peaks
-
-
-def disc(radius: float) -> FloatArray:
-    """A disc of ones over its area, as a kernel; (2 r + 1, 2 r + 1)."""
-    reach = int(np.ceil(radius))
-    x, y = np.meshgrid(np.arange(-reach, reach + 1), np.arange(-reach, reach + 1))
-    inside = (x**2 + y**2 <= radius**2).astype(np.float64)
-    return np.asarray(inside / inside.sum())
 
 
 def detections_of(frame: Frame, found: Sequence[tuple[ColourModel, Anchor]]) -> Detections:

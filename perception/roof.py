@@ -19,9 +19,12 @@ STRAIGHT_PX = 2.0  # a straight edge departs from the pixels' outline by no more
 LEAST_SIDE_PX = 8.0  # a smaller patch has no sides to measure
 SIDE_SHARE = 0.8  # of each side's length that is measured; corners are rounded by blur
 EVEN = 0.12  # a pixel of the roof departs from the plane of brightness by less than this share
-ROUNDS = 3  # of sampling and line fitting
+THINNING = 2  # of the pixels that brightness is fitted to
+LEAST_PIXELS = 8
+ROUNDS = 3  # of sampling and line fitting; fewer where one ...
+NEAR_PX = 1.0  # moves no end of a side by more than this
 FITS = 2  # of the edge model; the second from where the first ended, if that moved by more than ...
-SETTLED_PX = 0.3
+SETTLED_PX = 0.7
 WALL_EVIDENCE = 3.0  # a wall is believed if it lowers the cost of the fit by more than this
 ODD_TIMES, ODD_SHARE = 3.0, 0.15  # a caliper is odd beyond so many times the usual oddness, and share of the contrast
 CROSSING_REACH_PX = 4.0
@@ -82,23 +85,32 @@ def seed_quad(image: ImageArray, mask: ImageArray, outward: FloatArray) -> Float
     image: (H, W, 3) BGR. mask: (H, W) not 0 where the vehicle's colour is.
     outward: (2,) direction away from the point below the camera; there the silhouette is bounded by the roof.
     """
-    rows, columns = np.nonzero(mask)
-    places = np.stack([columns, rows], axis=1).astype(np.float64)  # (N, 2)
-    colours = image[rows, columns].astype(np.float64)  # (N, 3)
-    distance = places @ outward
-    outer = distance >= np.median(distance)
+    rows, columns = np.nonzero(mask[::THINNING, ::THINNING])
+    places = np.stack([columns, rows, np.ones_like(rows)], axis=1) * (THINNING, THINNING, 1.0)  # (N, 3)
+    colours = image[::THINNING, ::THINNING][rows, columns].astype(np.float64)  # (N, 3)
+    distance = places[:, :2] @ outward
+    outer = distance >= np.median(distance) if len(distance) else np.zeros(0, np.bool_)
+    if outer.sum() < LEAST_PIXELS:
+        return None
     colour = np.median(colours[outer], axis=0)
-    brightness = colours @ colour / (colour @ colour)
-    design = np.concatenate([places - places.mean(axis=0), np.ones((len(places), 1))], axis=1)
+    colour /= colour @ colour
+    brightness = colours @ colour
     even = outer & (np.abs(brightness - 1) < EVEN)
     for _ in range(3):
-        if even.sum() < 16:
+        if even.sum() < LEAST_PIXELS:
             return None
-        plane = np.linalg.lstsq(design[even], brightness[even], rcond=None)[0]
-        even = np.abs(brightness - design @ plane) < EVEN
-    roof = np.zeros(mask.shape, np.uint8)
-    roof[rows[even], columns[even]] = 1
-    return _largest_rectangle(roof)
+        design = places[even]
+        plane = np.linalg.lstsq(design.T @ design, brightness[even] @ design, rcond=None)[0]
+        even = np.abs(brightness - places @ plane) < EVEN
+    return _largest_rectangle(mask & _even(image, colour, plane))
+
+
+def _even(image: ImageArray, colour: FloatArray, plane: FloatArray) -> ImageArray:
+    """(H, W) 1 where the brightness, ``colour`` (3,) times a pixel, is nearly that of the plane (3,) of u, v, 1."""
+    brightness = cv2.transform(image.astype(np.float32), colour[None])  # (H, W)
+    height, width = image.shape[:2]
+    expected = (np.arange(height) * plane[1] + plane[2])[:, None] + np.arange(width) * plane[0]
+    return np.asarray(np.abs(brightness - expected) < EVEN, np.uint8)
 
 
 def _largest_rectangle(mask: ImageArray) -> FloatArray | None:
@@ -129,8 +141,11 @@ def _largest_rectangle(mask: ImageArray) -> FloatArray | None:
     return corners if high[0] - low[0] >= high[1] - low[1] else np.roll(corners, -1, axis=0)
 
 
-def measure_roof(image: ImageArray, quad_px: FloatArray) -> Roof:
-    """Measure the four sides near a rough quadrangle (4, 2), first side long, corners in order."""
+def measure_roof(image: ImageArray, quad_px: FloatArray, lean_px: FloatArray | None = None) -> Roof:
+    """Measure the four sides near a rough quadrangle (4, 2), first side long, corners in order.
+
+    lean_px: (2,) from a point of the roof to the ground below it, where that is known: so wide are the walls.
+    """
     pixels = image.astype(np.float32)
     lines = _lines_of(quad_px)
     kept = np.ones((4, CALIPERS), np.bool_)
@@ -138,12 +153,15 @@ def measure_roof(image: ImageArray, quad_px: FloatArray) -> Roof:
         profiles, inside = _profiles(pixels, lines)
         offsets, slopes, kept = _robust_line(lines.along_px, _crossings(profiles, inside, kept & inside))
         lines = lines.moved(np.clip(offsets, -2.0, 2.0), np.clip(slopes, -0.1, 0.1))
+        if max(np.abs(offsets).max(), np.abs(slopes * lines.lengths / 2).max()) < NEAR_PX:
+            break
+    expected = None if lean_px is None else np.maximum(lines.normals @ lean_px, 0.0)
     usable, walls = np.ones(4, np.bool_), np.zeros(4)
     for _ in range(FITS):
         profiles, inside = _profiles(pixels, lines)
         alike = _alike(profiles, kept & inside)
         usable = alike.sum(axis=1) >= CALIPERS // 3
-        edges, walls = _roof_ends(_mean(profiles, alike))
+        edges, walls = _roof_ends(_mean(profiles, alike), expected)
         edges = np.where(usable, edges, 0.0)
         lines = lines.moved(edges, np.zeros(4))
         if np.abs(edges).max() < SETTLED_PX:
@@ -151,12 +169,12 @@ def measure_roof(image: ImageArray, quad_px: FloatArray) -> Roof:
     return Roof(lines.corners_px, usable, walls)
 
 
-def _roof_ends(profiles: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _roof_ends(profiles: FloatArray, walls_px: FloatArray | None) -> tuple[FloatArray, FloatArray]:
     """Where the roof ends (4,) and how wide the wall beyond it is (4,), from one mean profile for each side.
 
     A strip of shadow on the side away from the camera looks like a narrow wall, so any side may have one.
     """
-    fits = fit_edges(profiles, _T_PX)
+    fits = fit_edges(profiles, _T_PX, walls_px)
     pick = (fits.costs[0] - fits.costs[1] > WALL_EVIDENCE).astype(np.int64), np.arange(4)
     return fits.edges_px[pick], fits.walls_px[pick]
 

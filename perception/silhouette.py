@@ -11,7 +11,7 @@ from perception.hue_saturation import back_projection, hue_saturation_value
 from perception.view import LocalView
 
 MEMBER_MIN = 0.2  # ratio from which a pixel belongs to the vehicle
-REACH = 1.5  # of the window round a proposal, in roof lengths
+REACH = 1.0  # of the window round a proposal, in roof lengths; walls lean farther
 CLOSING_PX = 5
 LEAST_PART = 0.5  # a vehicle hidden by so much is still looked for
 MARGIN = 1.25  # a silhouette may be so much larger than a box that looks as big as the model says
@@ -119,7 +119,7 @@ def silhouette_at(
     image: ImageArray, near_px: FloatArray, ratio: FloatArray, model: ColourModel, view: LocalView
 ) -> Silhouette | None:
     """The vehicle's outline in the full-resolution window round ``near_px`` (u, v), if one passes the gates."""
-    reach = REACH * model.roof_size_m[0] * view.px_per_m
+    reach = REACH * model.roof_size_m[0] * view.px_per_m + float(np.abs(view.lean_px).max())
     low = np.maximum(np.floor(near_px - reach), 0).astype(int)
     high = np.ceil(near_px + reach + 1).astype(int)
     window = image[low[1] : high[1], low[0] : high[0]].copy()

@@ -1,10 +1,12 @@
 import numpy as np
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.ndimage import gaussian_filter1d
+from slow_edge_fit import slow_fit_edges
 
 from contracts import FloatArray
-from perception.edge_profile import BLUR_PX, fit_edges
+from perception.edge_profile import BLUR_PX, EdgeFits, fit_edges
+from perception.roof import WALL_EVIDENCE
 
 T_PX = np.arange(-6.0, 6.5)
 FINE = 40  # samples per pixel of the profile before it is blurred
@@ -58,3 +60,19 @@ def test_profiles_are_fitted_independently():
     for k in range(3):
         alone = fit_edges(profiles[k : k + 1], T_PX)
         assert np.abs(alone.edges_px[:, 0] - together.edges_px[:, k]).max() < 1e-9
+
+
+def believed_edges_px(fits: EdgeFits) -> FloatArray:
+    """(S,) of the model, with or without a wall, that ``roof`` believes."""
+    return np.where(fits.costs[0] - fits.costs[1] > WALL_EVIDENCE, fits.edges_px[1], fits.edges_px[0])
+
+
+@given(st.integers(0, 2**31), st.sampled_from([0.0, 0.5, 1.5, 3.0, 6.0]), st.booleans())
+@settings(max_examples=25, deadline=None)
+def test_the_fast_fit_ends_where_the_slow_one_does(seed, wall_px, wall_known):
+    rng = np.random.default_rng(seed)
+    drawn = [profile(rng.uniform(-1, 1), wall_px * rng.uniform(0.8, 1.2), rng.uniform(0.25, 0.75)) for _ in range(4)]
+    profiles = np.array(drawn) + rng.normal(0, 0.4, (4, len(T_PX), 3))
+    fast = fit_edges(profiles, T_PX, np.full(4, wall_px) if wall_known else None)
+    slow = slow_fit_edges(profiles, T_PX)
+    assert np.abs(believed_edges_px(fast) - believed_edges_px(slow)).max() < 0.02

@@ -7,7 +7,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from contracts import Detections, Detector, ImageArray
-from perception.hbp import HistogramBackProjection, disc
+from perception.hbp import HistogramBackProjection
 from perception.hue_saturation import back_projection, histogram, hue_saturation_value, ratio_histogram
 
 SAME_PX = 0.06  # how far equal scenes may differ once they fall on other pixels
@@ -170,9 +170,3 @@ def test_detection_repeats_and_leaves_the_frame_alone(models, rng):
     assert once.labels == again.labels
     for field in ("scores", "boxes_px", "quads_px", "anchors_px", "anchor_heights_m", "anchor_covs_px2"):
         assert (getattr(once, field) == getattr(again, field)).all()
-
-
-def test_the_disc_has_the_area_asked_for():
-    kernel = disc(7.0)
-    assert abs(np.count_nonzero(kernel) - np.pi * 49) < 8
-    assert abs(kernel.sum() - 1) < 1e-12

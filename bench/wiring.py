@@ -18,9 +18,12 @@ from perception.baselines.colour_mixture import ColourMixture
 from perception.baselines.colour_range import ColourRange
 from perception.baselines.colour_ratio import ColourRatio
 from perception.colour_models import SHIPPED, ColourModels
+from perception.filter_tracker import FilterTracker
 from perception.hbp import HistogramBackProjection
 from perception.hybrid import HybridTracker
 from perception.identity import ColourIdentity
+from perception.kcf import CorrelationTracker
+from perception.mosse import MosseFilter
 from perception.perceiver import DetectThenTrack
 from sim.renderer import RendererName
 
@@ -32,6 +35,8 @@ DETECTORS: dict[str, Callable[[ColourModels, Camera], Detector]] = {
 }
 PERCEIVERS: dict[str, Callable[[ColourModels, Camera], Perceiver]] = {
     "hybrid": HybridTracker,
+    "kcf": lambda models, camera: FilterTracker(HistogramBackProjection(models, camera), CorrelationTracker),
+    "mosse": lambda models, camera: FilterTracker(HistogramBackProjection(models, camera), MosseFilter),
 }
 LOCATORS = {"ray": RayPlaneLocator, "plane0": GroundPlaneLocator}
 
@@ -120,6 +125,8 @@ TABLE_DETECTORS = {"CRD": "crd", "CCR": "ccr", "GMM": "gmm", "HBP": "hbp"}
 
 TABLE_TRACKERS: dict[str, Stages] = {
     "detection in every frame": Stages(detector="hbp"),
+    "MOSSE": Stages(perceiver="mosse"),
+    "KCF": Stages(perceiver="kcf"),
     "hybrid": Stages(perceiver="hybrid"),
 }
 """Perceivers that the remade tables compare; the last one is the chain's own."""

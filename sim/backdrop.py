@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contracts import Camera, ImageArray, Intrinsics, SwitchState
 from contracts.truth import Truth
@@ -87,10 +88,28 @@ def film_backdrop(stage: Stage, camera: Camera, light: Light, switches: dict[str
     return Backdrop(lit, unlit, tuple(image - np.minimum(unlit, image) for image in alone))
 
 
-def film_depth(stage: Stage, camera: Camera) -> Array32:
-    """Depth in metres of the empty scene at each of ``SAMPLES_PX``, (S, H, W)."""
+@dataclass(frozen=True, eq=False)
+class Surfaces:
+    """What the samples of a picture of the empty scene show.
+
+    depth_m: (S, H, W) at each of ``SAMPLES_PX``.
+    edge: (H, W) row of ``shares`` for pixels whose samples show different parts of the scene, 0 for all others.
+    shares: (1 + E, S - 1, 3) colour of each sample but the first over the pixel's colour; row 0 is 1.
+    """
+
+    depth_m: Array32
+    edge: NDArray[np.int32]
+    shares: Array32
+
+
+def film_surfaces(stage: Stage, camera: Camera) -> Surfaces:
+    """Look at each sample place by itself, which needs a picture each.
+
+    A pixel's colour is the mean of its samples'; the parts' own colours say in which relation they stand, whatever the
+    light, but for faces that are turned from it differently.
+    """
     stage.place(_empty({}))
-    depths = []
+    parts, depths = [], []
     for du, dv in SAMPLES_PX:
         numbers = camera.intrinsics
         shifted = Intrinsics(
@@ -103,8 +122,17 @@ def film_depth(stage: Stage, camera: Camera) -> Array32:
             numbers.distortion,
         )
         stage.aim(Camera(camera.name, shifted, camera.pose))
-        depths.append(stage.identities()[1])
-    return np.stack(depths)
+        part, depth_m = stage.still_parts()
+        parts.append(part)
+        depths.append(depth_m)
+    differ = np.logical_or.reduce([part != parts[1] for part in parts[2:]])
+    edge = np.zeros(differ.shape, np.int32)
+    edge[differ] = 1 + np.arange(np.count_nonzero(differ))
+    albedo = stage.still_albedo()[np.stack([part[differ] for part in parts[1:]], axis=1)]  # (E, S - 1, 3)
+    shares = albedo / np.maximum(albedo.mean(axis=1, keepdims=True), 1e-3)
+    return Surfaces(
+        np.stack(depths), edge, np.concatenate([np.ones((1, *shares.shape[1:])), shares]).astype(np.float32)
+    )
 
 
 def spot_window(camera: Camera, spot: Spot) -> Window | None:

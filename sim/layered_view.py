@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from contracts import Camera, FloatArray, ImageArray
 from contracts.truth import Truth
-from sim.backdrop import Backdrop, Backdrops, film_depth
+from sim.backdrop import Backdrop, Backdrops, film_surfaces
 from sim.box_faces import faces_of, nearness_in
 from sim.box_rays import SAMPLES_PX, Array32, Box, boxes_of, rays_at, shaded
 from sim.box_shadow import BoxShadow
@@ -35,11 +35,12 @@ class LayeredView:
 
     def __init__(self, camera: Camera, scene: Scene, stage: Stage) -> None:
         self._camera = camera
-        depth_m = film_depth(stage, camera)
-        self._skyline = Skyline(camera, depth_m)
-        self._near = np.float32(1.0) / depth_m
-        self._owner = np.zeros(depth_m.shape, np.uint16)
-        self._shade = np.zeros(depth_m.shape, np.uint8)
+        surfaces = film_surfaces(stage, camera)
+        self._edge, self._shares = surfaces.edge, surfaces.shares
+        self._skyline = Skyline(camera, surfaces.depth_m)
+        self._near = np.float32(1.0) / surfaces.depth_m
+        self._owner = np.zeros(self._near.shape, np.uint16)
+        self._shade = np.zeros(self._near.shape, np.uint8)
         self._before: list[tuple[Window, Array32]] = []  # how near the scene was where vehicles now are
         self._backdrops = Backdrops(camera, scene, stage)
         self._across: tuple[tuple[float, float, float], Array32] | None = None
@@ -131,11 +132,17 @@ class LayeredView:
             _exposed(picture, light)
             for picture in darkened(backdrop.lit[window], [share[window] for share in backdrop.shares])
         ]
-        image = painted(code | self._shade[(_COLOURS, *window)], lit, table)
+        image = self._painted(window, code | self._shade[(_COLOURS, *window)], lit, table)
         if light.band is None:
             return image
-        unlit = painted(code // combinations, [_exposed(backdrop.unlit[window], light)], table[:, -1:])
-        return mixed(image, unlit, self._band_shade(window, light.band, light))
+        unlit = [_exposed(backdrop.unlit[window], light)]
+        dark = self._painted(window, code // combinations, unlit, table[:, -1:])
+        return mixed(image, dark, self._band_shade(window, light.band, light))
+
+    def _painted(
+        self, window: Window, code: NDArray[np.uint16], scene: Sequence[ImageArray], table: Array32
+    ) -> ImageArray:
+        return painted(code, scene, table, edge=self._edge[window], shares=self._shares)
 
     def _background(self, backdrop: Backdrop, light: Light) -> ImageArray:
         """The empty scene, a fresh picture."""

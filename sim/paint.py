@@ -49,10 +49,18 @@ def darkened(lit: ImageArray, shares: Sequence[ImageArray]) -> list[ImageArray]:
     return pictures
 
 
-def painted(code: NDArray[np.uint16], scene: Sequence[ImageArray], table: Array32) -> ImageArray:
+def painted(
+    code: NDArray[np.uint16],
+    scene: Sequence[ImageArray],
+    table: Array32,
+    *,
+    edge: NDArray[np.int32],
+    shares: Array32,
+) -> ImageArray:
     """Colours (h, w, 3) of pixels whose samples (S, h, w) show the scene or faces; the mean of the samples.
 
     code: owner times 2^B plus the bits of the beams that are kept away. scene: the scene's picture for all such bits.
+    edge (h, w), shares: the relation of a sample's colour to its pixel's in the scene, see ``sim.backdrop.Surfaces``.
     """
     colours, combinations = table.reshape(-1, 3), table.shape[1]
     image = scene[0].copy()
@@ -65,7 +73,9 @@ def painted(code: NDArray[np.uint16], scene: Sequence[ImageArray], table: Array3
     mixed = np.flatnonzero(~alike)  # (M,) pixels
     samples = code.reshape(len(code), -1)[:, mixed]  # (S, M)
     total = colours.take(samples, axis=0).sum(axis=0)  # (M, 3)
+    relation = shares[edge.reshape(-1)[mixed]]  # (M, S, 3)
     for bits, picture in enumerate(scene):
-        total += (samples == bits).sum(axis=0, dtype=np.float32)[:, None] * picture.reshape(-1, 3)[mixed]
-    image.reshape(-1, 3)[mixed] = np.rint(total / np.float32(len(code)))
+        shown = np.einsum("sm,msk->mk", (samples == bits).astype(np.float32), relation)
+        total += shown * picture.reshape(-1, 3)[mixed]
+    image.reshape(-1, 3)[mixed] = np.rint(np.minimum(total / np.float32(len(code)), 255.0))
     return image

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from contracts import Camera, FloatArray, ImageArray, SwitchState
 from contracts.truth import Truth
 from sim.colours import Colour
+from sim.floor import floor_texture
 from sim.lights import Light
 from sim.scene import Scene
 from sim.scene_model import build_model
@@ -92,6 +93,28 @@ class Stage:
 
     def identities(self) -> tuple[ImageArray, NDArray[np.float32]]:
         """Which vehicle each pixel shows, (H, W) as in ``Rendered.instances``; its depth along the axis, m."""
+        colours, depth_m = self._segmented()
+        return np.ascontiguousarray(colours[..., 0]), depth_m
+
+    def still_parts(self) -> tuple[NDArray[np.uint16], NDArray[np.float32]]:
+        """Which part of the scene each pixel shows, (H, W) rows of ``still_albedo``; its depth along the axis, m."""
+        still = self._drawn.geoms[: self._static_count]
+        for row, geom in enumerate(still):
+            geom.segid = row
+        colours, depth_m = self._segmented()
+        for geom in still:
+            geom.segid = _STATIC_SEGID
+        return colours[..., 0] + np.uint16(256) * colours[..., 1], depth_m  # MuJoCo paints segid + 1
+
+    def still_albedo(self) -> FloatArray:
+        """Mean colour of each part, (1 + parts, 3) BGR, 1 for white; row 0 is nothing at all."""
+        rgb = np.array([[0.0, 0.0, 0.0], *(geom.rgba[:3] for geom in self._drawn.geoms[: self._static_count])])
+        floor = 1 + self._model.geom("floor").id
+        rgb[floor] *= floor_texture(self._scene.seed).reshape(-1, 3).mean(axis=0) / 255.0
+        return rgb[:, ::-1]
+
+    def _segmented(self) -> tuple[ImageArray, NDArray[np.float32]]:
+        """Numbers of what is drawn as colours (H, W, 3), the low byte first; depth along the axis, m."""
         drawn, size = self._drawn, self._viewport
         drawn.flags[_Flag.mjRND_SEGMENT] = drawn.flags[_Flag.mjRND_IDCOLOR] = True
         drawn.flags[_Flag.mjRND_SHADOW] = False
@@ -102,7 +125,7 @@ class Stage:
         depth = np.empty((size.height, size.width), np.float32)
         mujoco.mjr_readPixels(rgb, depth, size, self._context)
         metres = NEAR_M / (1.0 - depth[::-1] * (1.0 - NEAR_M / FAR_M))
-        return np.ascontiguousarray(rgb[::-1, :, 0]), metres.astype(np.float32)
+        return rgb[::-1], metres.astype(np.float32)
 
     def _show_spots(self, switches: dict[str, SwitchState]) -> None:
         for spot in self._scene.spots:

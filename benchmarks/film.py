@@ -1,12 +1,15 @@
 """How fast the film is: frames per second with full truth, the layered renderer against the full one in one run.
 
-``python -m benchmarks.film [--json] [--endurance N]``; N frames in a row also measure the growth of memory.
+``python -m benchmarks.film [--json] [--endurance N]``; N frames, under every light, also measure
+how memory grows and whether OpenGL contexts remain.
 """
 
 import argparse
+import gc
 import resource
 import time
 
+import mujoco
 import numpy as np
 
 from bench.scores import Score, table, to_json
@@ -19,6 +22,7 @@ from sim.renderer import RendererName
 VEHICLES = (1, 5, 20)
 WARM_STATES = 3  # contexts, backdrops and caches come into being
 LAYERED_STATES, FULL_STATES = 40, 3
+ROUNDS = 4  # of all lights, when endurance is tried
 
 
 def states(count: int, vehicles: int) -> list[Truth]:
@@ -63,16 +67,25 @@ def measure(size: str) -> list[Score]:
 
 
 def endure(frames: int) -> list[Score]:
-    """Growth of the resident memory from the first quarter of ``frames`` to their end, changing lights included."""
-    per_light = frames // (2 * len(LightPreset))
-    peaks = []
-    for turn, light in enumerate(LightPreset):
-        drawn = (random_state(np.random.default_rng(k), 3, index=k) for k in range(per_light))
-        for _ in film(spec("720p", RendererName.LAYERED, light), drawn, workers=1):
-            pass
-        if turn:
-            peaks.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
-    return [Score("film.memory_growth", peaks[-1] - peaks[0], "MB", 2 * per_light * len(LightPreset), True)]
+    """Memory and OpenGL contexts while ``frames`` frames are filmed, every light in its turn, each light's film anew.
+
+    Growth: of the peak of the resident memory, from the end of the first round of all lights to the end of the last.
+    """
+    per_film = frames // (2 * ROUNDS * len(LightPreset))
+    peaks_mb = []
+    for turn in range(ROUNDS):
+        for light in LightPreset:
+            drawn = (random_state(np.random.default_rng((turn, k)), 3, index=k) for k in range(per_film))
+            for _ in film(spec("720p", RendererName.LAYERED, light), drawn, workers=1):
+                pass
+        peaks_mb.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
+    gc.collect()
+    contexts = sum(isinstance(each, mujoco.GLContext | mujoco.MjrContext) for each in gc.get_objects())
+    filmed = 2 * per_film * ROUNDS * len(LightPreset)
+    return [
+        Score("film.memory_growth", peaks_mb[-1] - peaks_mb[0], "MB", filmed, True),
+        Score("film.contexts_left", contexts, "count", ROUNDS * len(LightPreset), True),
+    ]
 
 
 def main() -> None:

@@ -46,14 +46,19 @@ class Rays:
     origin: FloatArray
 
 
+def upright_box(foot_m: FloatArray, heading_rad: float, size_m: FloatArray) -> Box:
+    """A box of ``size_m`` (3,) that stands with its footprint's centre at ``foot_m`` (3,)."""
+    cos, sin = np.cos(heading_rad), np.sin(heading_rad)
+    turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+    return Box(foot_m + np.array([0.0, 0.0, size_m[2] / 2]), size_m / 2, turn)
+
+
 def boxes_of(state: Truth) -> list[Box]:
     """The boxes of all objects."""
-    boxes = []
-    for position, heading, size in zip(state.positions_m, state.headings_rad, state.sizes_m, strict=True):
-        cos, sin = np.cos(heading), np.sin(heading)
-        turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
-        boxes.append(Box(position + np.array([0.0, 0.0, size[2] / 2]), size / 2, turn))
-    return boxes
+    return [
+        upright_box(position, heading, size)
+        for position, heading, size in zip(state.positions_m, state.headings_rad, state.sizes_m, strict=True)
+    ]
 
 
 def rays_through(camera: Camera, window: Window, box: Box, samples_px: FloatArray = SAMPLES_PX) -> Rays:

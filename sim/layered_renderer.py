@@ -4,6 +4,11 @@ The camera stands still, so the empty scene, what each beam adds to it and its d
 Vehicles are boxes of one colour each: rays through the very sample places of the graphics hardware say where a box lies
 before all else, which face shows, and what it keeps from the light. No OpenGL is called per frame.
 
+What is drawn: vehicles before and behind each other and whatever stands still; their shadows on each other, on the
+ground and on all else that stands still; the shadows of what stands still: on each other as OpenGL draws them, on
+vehicles as far as they are boxes (``sim.still_boxes``). What is not: shadows of rails, sleepers and switch machines on
+vehicles, all lower than 9 mm. Vehicles are upright boxes of one colour, as ``Truth`` says them.
+
 Kept: per camera the depth; per camera and light, its strength and shadow band aside, the pictures. Done anew per frame:
 vehicles and their shadows inside their windows; for a light of another strength one scaling of the picture; for a
 shadow band one mix of two pictures. A light of new direction or colour is filmed anew; the last few are kept.

@@ -6,13 +6,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from contracts import Camera, FloatArray, ImageArray
+from contracts import BoolArray, Camera, FloatArray, ImageArray
 from contracts.truth import Truth
 from sim.backdrop import Backdrop, Backdrops, film_surfaces
 from sim.box_faces import faces_of, nearness_in
 from sim.box_rays import SAMPLES_PX, Array32, Box, boxes_of, rays_at, shaded
 from sim.box_shadow import BoxShadow
-from sim.lights import Light, ShadowBand
+from sim.lights import Beam, Light, ShadowBand
 from sim.outlines import covered, window_around
 from sim.paint import FACES, darkened, paint_table, painted
 from sim.renderer import Rendered, Window
@@ -20,6 +20,7 @@ from sim.scene import Scene
 from sim.shade import along_beam, mixed, world_points
 from sim.skyline import Skyline
 from sim.stage import Stage
+from sim.still_boxes import StillBoxes
 
 _NEARER = np.float32(1.0 - 4e-6)  # of boxes that run into each other the first one shows
 _COLOURS = slice(1, 5)  # the samples that decide colours; sample 0, the pixel's centre, decides identities
@@ -42,6 +43,7 @@ class LayeredView:
         self._owner = np.zeros(self._near.shape, np.uint16)
         self._shade = np.zeros(self._near.shape, np.uint8)
         self._before: list[tuple[Window, Array32]] = []  # how near the scene was where vehicles now are
+        self._still_boxes = StillBoxes(scene)
         self._backdrops = Backdrops(camera, scene, stage)
         self._across: tuple[tuple[float, float, float], Array32] | None = None
 
@@ -53,6 +55,9 @@ class LayeredView:
         boxes = boxes_of(state)
         bodies = [self._place(row, box) for row, box in enumerate(boxes)]
         shadows = [self._cast(row, box, light) for row, box in enumerate(boxes)]
+        for row, (box, body) in enumerate(zip(boxes, bodies, strict=True)):
+            if body is not None:
+                self._shade_by_scene(row, box, body, light)
         touched = _united(bodies, shadows)
         table = paint_table(state, boxes, light, self._camera)
         for window in touched:
@@ -95,25 +100,36 @@ class LayeredView:
                 self._shade[(_COLOURS, *window)] |= self._shaded(row, shadow, outline, window).view(np.uint8) << bit
         return windows
 
-    def _shaded(self, row: int, shadow: BoxShadow, outline: FloatArray, window: Window) -> NDArray[np.bool_]:
+    def _shaded(self, row: int, shadow: BoxShadow, outline: FloatArray, window: Window) -> BoolArray:
         """Which samples (S, h, w) of a window lie in the shadow of vehicle ``row``; ``outline`` holds them all."""
-        owner, near = self._owner[(_COLOURS, *window)], self._near[(_COLOURS, *window)]
+        owner = self._owner[(_COLOURS, *window)]
         inner = shadow.sure_px(self._skyline.below_m(window))
         possible, *certain = covered((outline, *inner), window, SAMPLES_PX[_COLOURS])
         shade = np.logical_and.reduce([owner == 0, *certain]) if certain else np.zeros(owner.shape, np.bool_)
         possible &= ~shade
         possible &= owner - np.uint16(1 + FACES * row) >= FACES  # not its own: numbers below wrap round
-        open_ = np.flatnonzero(possible)
-        sample, pixel = np.divmod(open_, possible[0].size)
-        v, u = np.divmod(pixel, possible.shape[2])
-        rays = rays_at(
-            self._camera,
-            u + window[1].start + SAMPLES_PX[_COLOURS][sample, 0],
-            v + window[0].start + SAMPLES_PX[_COLOURS][sample, 1],
-            shadow.box,
-        )
-        shade.reshape(-1)[open_] = shaded(rays, np.float32(1.0) / near[sample, v, u], shadow.box, shadow.beam)
+        self._look(possible, shadow.box, shadow.beam, window, shade)
         return shade
+
+    def _shade_by_scene(self, row: int, box: Box, window: Window, light: Light) -> None:
+        """Mark the samples of a vehicle from which boxes that stand still keep a beam."""
+        samples = (_COLOURS, *window)
+        for bit, beam in enumerate(light.beams):
+            for still in self._still_boxes.before(box, beam):
+                own = self._owner[samples] - np.uint16(1 + FACES * row) < FACES
+                shade = np.zeros(own.shape, np.bool_)
+                self._look(own, still, beam, window, shade)
+                self._shade[samples] |= shade.view(np.uint8) << bit
+
+    def _look(self, at: BoolArray, box: Box, beam: Beam, window: Window, shade: BoolArray) -> None:
+        """Look sample by sample, where ``at`` (S, h, w) says so, whether a box keeps a beam away: into ``shade``."""
+        chosen = np.flatnonzero(at)
+        sample, pixel = np.divmod(chosen, at[0].size)
+        v, u = np.divmod(pixel, at.shape[2])
+        du, dv = SAMPLES_PX[_COLOURS][sample].T
+        rays = rays_at(self._camera, u + window[1].start + du, v + window[0].start + dv, box)
+        near = self._near[(_COLOURS, *window)][sample, v, u]
+        shade.reshape(-1)[chosen] = shaded(rays, np.float32(1.0) / near, box, beam)
 
     def _clear(self, touched: Sequence[Window]) -> None:
         """Leave the empty scene behind."""

@@ -9,6 +9,7 @@ from contracts import FloatArray, SwitchState
 FLOOR_Z_M = -0.0005  # just below the marks, which lie exactly on z = 0
 SPOT_RADIUS_M = 0.005
 SPOT_HEIGHT_M = 0.006  # the lid of a switch machine
+BUFFER_SIZE_M = np.array([0.008, 0.050, 0.030])  # along the track, across, height
 
 
 @dataclass(frozen=True, eq=False)

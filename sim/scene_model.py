@@ -6,7 +6,7 @@ import numpy as np
 from contracts import FloatArray
 from sim.floor import MARK_RADIUS_M, PERIOD_M, floor_texture
 from sim.meshes import Mesh, boxes, discs, merged, ribbon
-from sim.scene import FLOOR_Z_M, SPOT_HEIGHT_M, SPOT_RADIUS_M, Scene
+from sim.scene import BUFFER_SIZE_M, FLOOR_Z_M, SPOT_HEIGHT_M, SPOT_RADIUS_M, Scene
 from sim.streams import stream
 
 _GAUGE_M = 0.032
@@ -81,7 +81,7 @@ def _furniture(scene: Scene) -> list[tuple[str, Mesh, tuple[float, float, float]
         parts.append(("balises", boxes(places[:, :2], places[:, 2], np.array([0.012, 0.008, 0.005])), _BALISE))
     if len(scene.buffers_m):
         places = scene.buffers_m
-        parts.append(("buffers", boxes(places[:, :2], places[:, 2], np.array([0.008, 0.050, 0.030])), _BUFFER))
+        parts.append(("buffers", boxes(places[:, :2], places[:, 2], BUFFER_SIZE_M), _BUFFER))
     return parts
 
 

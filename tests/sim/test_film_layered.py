@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 import pytest
-from film_cases import camera, state
+from film_cases import FLOOR_M, camera, state
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -20,6 +20,7 @@ from sim.lights import Beam, LightPreset
 from sim.outlines import NEAR_M, covered, window_around
 from sim.plant_scene import scene_of_plant
 from sim.rig import CameraSpec, Departure, RigSpec, true_cameras
+from sim.scene import Scene
 
 COLOURS = ("red", "blue", "green", "magenta", "cyan")
 STATES = 3
@@ -71,6 +72,24 @@ def near_edges(instances, reach=2):
     """Pixels within ``reach`` of another identity."""
     kernel = np.ones((2 * reach + 1, 2 * reach + 1))
     return cv2.dilate(instances, kernel) != cv2.erode(instances, kernel)
+
+
+@pytest.mark.film
+def test_what_stands_still_shades_vehicles_and_vehicles_shade_what_stands_still():
+    eye = camera(position_m=(0.0, 0.0, 1.2), tilt_deg=20.0)
+    pillar, wall = [-0.12, 0.14, 0.3, 0.05, 0.08, 0.25], [0.11, -0.06, 0.1, 0.3, 0.02, 0.12]
+    scene = Scene(FLOOR_M, np.array([[1.95, 1.95, 0.0]]), clutter_m=np.array([pillar, wall]), seed=1)
+    drawn = state(("red", 0.0, 0.05, 20.0), ("cyan", 0.14, 0.03, -10.0))
+    full, layered = (make(scene, [eye], LightPreset.SUNNY) for make in (FullRenderer, LayeredRenderer))
+    oracle, fast = full.render(drawn, "eye").image.astype(int), layered.render(drawn, "eye").image
+    bare = LayeredRenderer(Scene(FLOOR_M, scene.control_points_m, seed=1), [eye], LightPreset.SUNNY)
+    red = layered.render(drawn, "eye").instances == 1
+    darker = np.abs(bare.render(drawn, "eye").image.astype(int) - fast).max(axis=2) > 20
+    assert (darker & red).sum() > 300  # the pillar's shadow lies on the red vehicle
+    wrong = (np.abs(oracle - fast).max(axis=2) > 8).astype(np.uint8)
+    assert not cv2.erode(wrong, np.ones((5, 5))).any()  # nothing but edges differs
+    for renderer in (full, layered, bare):
+        renderer.close()
 
 
 @pytest.mark.film

@@ -1,7 +1,8 @@
 """Chooses the stages of a run: the only place that knows which implementation serves by default."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from bench import oracles
@@ -22,7 +23,7 @@ from perception.filter_tracker import FilterTracker
 from perception.hbp import HistogramBackProjection
 from perception.hybrid import HybridTracker
 from perception.identity import ColourIdentity
-from perception.kcf import CorrelationTracker
+from perception.kcf import CorrelationTracker, KcfSettings
 from perception.mosse import MosseFilter
 from perception.perceiver import DetectThenTrack
 from sim.renderer import RendererName
@@ -130,6 +131,25 @@ TABLE_TRACKERS: dict[str, Stages] = {
     "hybrid": Stages(perceiver="hybrid"),
 }
 """Perceivers that the remade tables compare; the last one is the chain's own."""
+
+
+TABLE_REGION_SIZES = (1.25, 1.5, 2.0, 2.5, 3.0, 4.0)
+
+
+def region_perceiver(size: float) -> Callable[[Camera], Perceiver]:
+    """Makes correlation filters by themselves whose region is ``size`` times as long and wide as the vehicle."""
+    usual = KcfSettings()
+    settings = replace(usual, padding=size, samples=max(64, round(usual.samples * (size / usual.padding) ** 2)))
+
+    def make(camera: Camera) -> Perceiver:
+        detector = HistogramBackProjection(ColourModels.load(SHIPPED), camera)
+        return FilterTracker(detector, partial(CorrelationTracker, settings))
+
+    return make
+
+
+TABLE_REGIONS = {size: region_perceiver(size) for size in TABLE_REGION_SIZES}
+"""Perceivers by the size of the region that they track, for the remade tables."""
 
 
 def make_perception(stages: Stages, cameras: Iterable[Camera]) -> Perception:

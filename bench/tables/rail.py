@@ -21,9 +21,10 @@ from bench.tables.owners import owners
 from bench.tables.page import tables_page
 from bench.tables.part import Part
 from bench.tables.precision import precision
+from bench.tables.region import region
 from bench.tables.table1 import table1
 from bench.tables.table3 import table3
-from bench.wiring import TABLE_DETECTORS, TABLE_TRACKERS, Stages
+from bench.wiring import TABLE_DETECTORS, TABLE_REGIONS, TABLE_TRACKERS, Stages
 from contracts import InputError
 from scenarios.schema import Scenario
 
@@ -41,6 +42,7 @@ class Evaluation:
     detectors: dict[str, list[Watched]] = field(default_factory=dict)
     masks: dict[str, list[Outlines]] = field(default_factory=dict)
     trackers: dict[str, list[Watched]] = field(default_factory=dict)
+    regions: dict[float, list[Watched]] = field(default_factory=dict)
     mosaic: Part | None = None
 
     def add(self, shown: Film) -> None:
@@ -53,6 +55,8 @@ class Evaluation:
             self.masks.setdefault(name, []).append(outlines(still, _detectors(stages, still)))
         for name, stages in TABLE_TRACKERS.items():
             self.trackers.setdefault(name, []).append(watch(shown, name, stages.make_perceiver))
+        for size, make_perceiver in TABLE_REGIONS.items():
+            self.regions.setdefault(size, []).append(watch(shown, f"region {size:g}", make_perceiver))
         *_, own = self.trackers.values()
         self.mosaic = self.mosaic or figure15(shown, own[-1])
 
@@ -64,6 +68,7 @@ class Evaluation:
             table3(self.detectors, self.masks),
             precision(self.trackers),
             figure19(own, detection),
+            region(self.regions),
             figure21(own),
             owners(own),
             table1(self.manifests),

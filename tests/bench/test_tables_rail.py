@@ -23,6 +23,7 @@ from bench.tables.page import print_parts, tables_page
 from bench.tables.part import number
 from bench.tables.precision import precision
 from bench.tables.rail import Evaluation, evaluate, write_tables
+from bench.tables.region import region
 from bench.tables.table1 import WORLD_FROM_PAPER, in_paper_axes, table1
 from bench.tables.table3 import table3
 from bench.wiring import Stages
@@ -267,3 +268,13 @@ def test_all_methods_see_the_frames_of_one_film():
     assert (seen.rectangularity > 0.85).all()
     assert (seen.overlaps > 0.8).all()
     assert cases(plain.recording).precision(np.array([2.0])).tolist() == [1.0]
+
+
+def test_each_size_of_the_region_has_its_own_speed_and_precision():
+    part = region({1.5: [watched(seconds=(0.001, 0.003))], 3.0: [watched(recording(shifted(3.0, 4.0)))]})
+    scores = by_name(part)
+    assert scores["region.1.5.fps"] == pytest.approx(500)
+    assert (scores["region.1.5.within_1_px"], scores["region.3.within_1_px"]) == (1.0, 0.0)
+    assert scores["region.3.median_px"] == pytest.approx(5.0)
+    assert [row[0] for row in part.grids[0].rows] == ["1.5", "3", "paper, reduced region"]
+    assert part.grids[0].rows[-1][1] == "400"

@@ -45,13 +45,17 @@ def spectra(window: Float32Array) -> Spectra:
 
 def cross_correlation(of: Spectrum, by: Spectrum) -> Float32Array:
     """(H, W) sum over m of of[m + shift] * by[m], for every cyclic shift."""
-    return inverse(np.asarray(cv2.mulSpectrums(of, by, 0, conjB=True), np.float32))
+    return inverse(_product(of, by, conjugate=True))
 
 
 def channel_correlation(of: Spectra, by: Spectra, shape: tuple[int, int]) -> Float32Array:
     """The cross-correlation summed over the channels (H, eq. 31): one inverse transform for all of them."""
     product = np.einsum("chw,chw->hw", of, by.conj())
     return np.asarray(scipy.fft.irfft2(product, s=shape, workers=1), np.float32)
+
+
+def _product(of: Spectrum, by: Spectrum, *, conjugate: bool = False) -> Spectrum:
+    return np.asarray(cv2.mulSpectrums(of, by, 0, conjB=conjugate), np.float32)
 
 
 def gaussian_kernel(cross: Float32Array, energy: float, bandwidth: float, size: int) -> Float32Array:
@@ -62,7 +66,8 @@ def gaussian_kernel(cross: Float32Array, energy: float, bandwidth: float, size: 
     """
     scale = 1.0 / (bandwidth**2 * size)
     cv2.addWeighted(cross, 2.0 * scale, cross, 0.0, -energy * scale, dst=cross)
-    return np.asarray(cv2.exp(cross, dst=cross), np.float32)
+    cv2.exp(cross, dst=cross)
+    return cross
 
 
 def gaussian_target(shape: tuple[int, int], sigma: float) -> Float32Array:
@@ -98,7 +103,7 @@ def respond(kernel: Float32Array, alpha_f: Spectrum) -> Float32Array:
 
     kernel: Gaussian kernel between that window and the learned one.
     """
-    return inverse(np.asarray(cv2.mulSpectrums(spectrum(kernel), alpha_f, 0), np.float32))
+    return inverse(_product(spectrum(kernel), alpha_f))
 
 
 @dataclass(frozen=True)

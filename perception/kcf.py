@@ -31,7 +31,8 @@ from perception.patches import Crop, WindowShape, cosine_window, to_image
 from perception.target_filter import Found
 
 _INSIDE, _OUTSIDE = 0.9, 1.1  # of the target's outline: what surely belongs to it, and what surely does not
-_MARGIN_PX = 4.0  # a place found so far from the predicted one is learned without cutting the image again
+_SETTLED_PX = 0.25  # what a look that moves the target less has hidden is not worth another
+_MARGIN_PX = 4.0  # a place found so far from the predicted one is looked at without cutting the image again
 
 
 class Features(StrEnum):
@@ -52,6 +53,8 @@ class KcfSettings:
     target_sigma: width of the regression's target, as a share of the root of the target's area.
     ridge: lambda, the weight of the regularization.
     learning_rate: share of the new window in the learned one.
+    looks: how often at most a target is sought again where it was just found, until it stays there. The window hides
+        a seventh of a shift, since it fades what leaves it: one look is the textbook's.
     """
 
     features: Features = Features.COLOUR
@@ -61,6 +64,7 @@ class KcfSettings:
     target_sigma: float = 0.08
     ridge: float = 1e-3
     learning_rate: float = 0.05
+    looks: int = 3
 
     def __post_init__(self) -> None:
         if self.features not in list(Features):
@@ -74,6 +78,8 @@ class KcfSettings:
             raise InputError(f"KcfSettings.samples = {self.samples} must lie in [64, {2**20}]")
         if not 0 <= self.learning_rate <= 1:
             raise InputError(f"KcfSettings.learning_rate = {self.learning_rate} must lie in [0, 1]")
+        if self.looks < 1:
+            raise InputError(f"KcfSettings.looks = {self.looks} must be at least 1")
 
 
 class CorrelationTracker:
@@ -95,11 +101,16 @@ class CorrelationTracker:
     def find(self, image: ImageArray, predicted_centre_px: FloatArray, angle_rad: float) -> Found:
         """Where the target is, near the predicted place and heading as predicted; nothing is learned."""
         model = self._started()
-        crop = Crop.around(image, predicted_centre_px, model.shape.reach_px + _MARGIN_PX, model.shape.step_px)
+        centre = np.asarray(predicted_centre_px, np.float64)
+        crop = Crop.around(image, centre, model.shape.reach_px + _MARGIN_PX, model.shape.step_px)
         self._searched = image, crop
-        peak = find_peak(model.response(crop.window(predicted_centre_px, angle_rad, model.shape)))
-        moved = to_image(peak.shift, angle_rad, model.shape.step_px)
-        return Found(np.asarray(predicted_centre_px, np.float64) + moved, peak.height, peak.sharpness)
+        for _ in range(self._settings.looks):
+            peak = find_peak(model.response(self._window(image, centre, angle_rad, model.shape)))
+            moved = to_image(peak.shift, angle_rad, model.shape.step_px)
+            centre = centre + moved
+            if abs(moved[0]) + abs(moved[1]) < _SETTLED_PX:
+                break
+        return Found(centre, peak.height, peak.sharpness)
 
     def learn(self, image: ImageArray, centre_px: FloatArray, angle_rad: float) -> None:
         """Blend what the target looks like at a place into what was learned.
@@ -166,7 +177,7 @@ class _Model:
         return gaussian_kernel(cross, energy + self._energy, self._settings.bandwidth, cross.size)
 
     def _features(self, window: ImageArray) -> Float32Array:
-        """(H, W) one channel less its mean, in units of its deviation, faded: the light's strength leaves no trace."""
+        """(H, W) one channel less its mean, in units of its deviation, faded: brightness and contrast are gone."""
         channel = cv2.transform(window.astype(np.float32), self._weights)
         mean, deviation = cv2.meanStdDev(channel)
         scale = 1.0 / max(float(deviation[0, 0]), _FLAT)

@@ -99,20 +99,19 @@ class Crop:
         v = (float(centre_px[1]) - self.origin_px[1]) / self.scale
         i, j = (columns - 1) / 2, (rows - 1) / 2
         crop_from_window = np.array([[c, -s, u - c * i + s * j], [s, c, v - s * i - c * j]])
-        window = cv2.warpAffine(
-            self.pixels,
-            crop_from_window,
-            (columns, rows),
-            flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
-            borderMode=cv2.BORDER_REPLICATE,
-        )
+        flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+        size = columns, rows
+        window = cv2.warpAffine(self.pixels, crop_from_window, size, flags=flags, borderMode=cv2.BORDER_REPLICATE)
         return np.asarray(window, np.uint8)
 
 
 def _span(centre: float, reach: float, scale: int, length: int) -> tuple[int, int]:
-    """First pixel and number of pixels, a multiple of ``scale``, of what a row of ``length`` pixels holds."""
+    """First pixel and number of pixels, a multiple of ``scale``, of what a row of ``length`` pixels holds.
+
+    The first is a multiple of it too, so that the same pixels are averaged wherever the window is.
+    """
     reach += _SPARE * scale
-    first = min(max(math.floor(centre - reach), 0), max(length - scale, 0))
+    first = min(max(math.floor((centre - reach) / scale) * scale, 0), max(length - scale, 0) // scale * scale)
     count = min(math.ceil(centre + reach) + 1, length) - first
     return first, max(count // scale, 1) * scale
 

@@ -58,10 +58,10 @@ def list_() -> None:
 
     from scenarios.loader import list_scenarios, load_scenario
 
-    table = Table("scenario", "world", "title", box=None)
+    table = Table("scenario", "world", "split", "title", box=None)
     for name in list_scenarios():
         scenario = load_scenario(name)
-        table.add_row(name, scenario.world, scenario.title)
+        table.add_row(name, scenario.world, scenario.split or "", scenario.title)
     Console().print(table)
 
 

@@ -3,15 +3,23 @@
 from collections.abc import Iterator
 from functools import cache
 
+import numpy as np
+
 from contracts import InputError
 from rail.plant import Plant
 from scenarios.plant_file import load_plant
 from scenarios.rig_file import load_rig
 from scenarios.schema import Scenario
 from scenarios.variations import varied
+from sim.light_program import order_faults
 from sim.motion_check import KeyPath, MotionFaultError, check_motion
+from sim.surroundings import blocks_track
 
 Fault = tuple[KeyPath, str]
+
+_TRACK_STEP_M = 0.01
+_SWAY_M = 0.012  # a vehicle sticks out this much farther in a curve
+_HEADROOM_M = 0.005
 
 
 def faults(scenario: Scenario) -> Iterator[Fault]:
@@ -21,6 +29,8 @@ def faults(scenario: Scenario) -> Iterator[Fault]:
         load_rig(scenario.rig)
     except InputError as error:
         yield ("rig",), str(error)
+    yield from ((("light_change", index), what) for index, what in order_faults(scenario.light_change))
+    yield from _surroundings_faults(scenario)
     yield from _expectation_faults(scenario)
     for index, event in enumerate(scenario.event):
         if event.at_s > scenario.duration_s:
@@ -49,6 +59,22 @@ def _plant_faults(scenario: Scenario) -> Iterator[Fault]:
         check_motion(plant, scenario.motion)
     except MotionFaultError as error:
         yield error.keys, str(error)
+
+
+def _surroundings_faults(scenario: Scenario) -> Iterator[Fault]:
+    """Objects that a vehicle would run into."""
+    try:
+        plant = plant_of(scenario.plant)
+    except InputError:
+        return  # told at its own key
+    track = np.concatenate([section.curve.points(_TRACK_STEP_M) for section in plant.sections.values()])
+    half_width = max((v.size_m[1] / 2 for v in scenario.vehicle), default=0.0) + _SWAY_M
+    height = max((v.size_m[2] for v in scenario.vehicle), default=0.0) + _HEADROOM_M
+    groups = (("object", [(thing,) for thing in scenario.object]), ("bridge", [b.parts for b in scenario.bridge]))
+    for key, owners in groups:
+        for index, parts in enumerate(owners):
+            if any(blocks_track(part, track, half_width_m=half_width, height_m=height) for part in parts):
+                yield (key, index), "stands in the way of the vehicles; move it off the track or above them"
 
 
 def _expectation_faults(scenario: Scenario) -> Iterator[Fault]:

@@ -7,8 +7,13 @@ from typing import Annotated, Literal
 from msgspec import Meta
 
 from contracts import InputError
+from sim.floor import FloorSpec
+from sim.highlights import HighlightSpec
+from sim.light_program import LightChange
 from sim.lights import LightPreset
 from sim.motion_spec import MotionSpec, SwitchSetting, TimedEvent, VehicleSpec
+from sim.sensor import SensorSpec
+from sim.surroundings import BridgeSpec, ObjectSpec, Surroundings
 
 MAX_FPS = 1000.0
 
@@ -74,6 +79,12 @@ class Scenario:
 
     name: the file's name without ``.toml``; filled in by the loader.
     plant, rig: names of files in ``scenarios/plants`` and ``scenarios/rigs``.
+    split: whether models may learn from it (``"train"``) or it is kept for the test (``"test"``); neither if not said.
+    light: at the beginning. light_change: other lights that come up later, in order (``sim.light_program``).
+    sensor: of all cameras, instead of the rig's: noise, exposure, drift of the white balance (``sim.sensor``).
+    floor: colour and contrast of the floor (``sim.floor``).
+    object, bridge: what lies, stands or spans the track (``sim.surroundings``); marks and clutter make room for it.
+    highlight: mirror images of lamps in floor and roofs (``sim.highlights``).
     switch: how switches lie at the beginning, by id; straight where not said.
     vary: ranges by key, for example ``"vehicle.blue.speed_mps" = { min = 0.2, max = 0.4 }``.
     """
@@ -87,6 +98,13 @@ class Scenario:
     fps: Annotated[float, Meta(gt=0, le=MAX_FPS)]
     name: str = ""
     world: Literal["rail"] = "rail"
+    split: Literal["train", "test"] | None = None
+    light_change: tuple[LightChange, ...] = ()
+    sensor: SensorSpec | None = None
+    floor: FloorSpec = field(default_factory=FloorSpec)
+    object: tuple[ObjectSpec, ...] = ()
+    bridge: tuple[BridgeSpec, ...] = ()
+    highlight: tuple[HighlightSpec, ...] = ()
     switch: dict[str, SwitchSetting] = field(default_factory=dict)
     switch_travel_s: float = 0.25
     vehicle: tuple[VehicleSpec, ...] = ()
@@ -107,6 +125,11 @@ class Scenario:
     def motion(self) -> MotionSpec:
         """What moves."""
         return MotionSpec(self.vehicle, self.event, self.switch, self.switch_travel_s)
+
+    @property
+    def surroundings(self) -> Surroundings:
+        """What the author put round the track."""
+        return Surroundings(self.floor, self.object, self.bridge, self.highlight)
 
     @property
     def frame_count(self) -> int:

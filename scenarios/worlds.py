@@ -4,6 +4,7 @@ from contracts.truth import World
 from scenarios.check import plant_of
 from scenarios.rig_file import load_rig
 from scenarios.schema import Scenario
+from sim.light_program import LightProgram
 from sim.rail_motion import RailMotion
 from sim.rail_world import RailWorld
 from sim.renderer import RendererName
@@ -32,10 +33,12 @@ def build_world(
         RailMotion(plant, scenario.motion, seed),
         scenario.frame_times_ns,
         rig=load_rig(scenario.rig),
-        light=scenario.light,
+        light=LightProgram(scenario.light, scenario.light_change),
         seed=seed,
         noise_seed=noise_seed,
         film=film,
         workers=workers,
         renderer=renderer,
+        surroundings=scenario.surroundings,
+        sensor=scenario.sensor,
     )

@@ -13,7 +13,9 @@ import cv2
 from contracts import Camera, GantryError
 from contracts.truth import Truth
 from sim.film import CameraFilm
+from sim.highlights import HighlightSpec
 from sim.lens import Lens, pinhole_camera
+from sim.light_program import LightProgram
 from sim.lights import LightPreset
 from sim.renderer import Renderer, RendererName
 from sim.scene import Scene
@@ -29,11 +31,12 @@ class FilmSpec:
 
     scene: Scene
     cameras: tuple[Camera, ...]
-    light: LightPreset
+    light: LightPreset | LightProgram
     sensor: SensorSpec
     noise_seed: int
     keep_instances: bool
     renderer: RendererName
+    highlights: tuple[HighlightSpec, ...] = ()
 
 
 def film(spec: FilmSpec, states: Iterable[Truth], *, workers: int) -> Iterator[tuple[Take, ...]]:
@@ -66,7 +69,15 @@ def _film_here(spec: FilmSpec, states: Iterable[Truth]) -> Iterator[tuple[Take, 
     pinholes = [pinhole_camera(camera, lens) for camera, lens in zip(spec.cameras, lenses, strict=True)]
     renderer = renderer_of(spec, pinholes)
     films = [
-        CameraFilm(camera, lens, renderer, spec.sensor, noise_seed=spec.noise_seed, keep_instances=spec.keep_instances)
+        CameraFilm(
+            camera,
+            lens,
+            renderer,
+            spec.sensor,
+            noise_seed=spec.noise_seed,
+            keep_instances=spec.keep_instances,
+            highlights=spec.highlights,
+        )
         for camera, lens in zip(spec.cameras, lenses, strict=True)
     ]
     try:

@@ -10,7 +10,8 @@ import numpy as np
 from contracts import Camera, Frame, ImageArray
 from contracts.truth import CameraTruth, Truth
 from sim.camera_truth import camera_truth
-from sim.lens import Lens
+from sim.highlights import HighlightSpec, glare
+from sim.lens import Lens, pinhole_camera
 from sim.renderer import Rendered, Renderer, Window
 from sim.sensor import Sensor, SensorSpec
 
@@ -32,6 +33,7 @@ class CameraFilm:
         *,
         noise_seed: int,
         keep_instances: bool = True,
+        highlights: Sequence[HighlightSpec] = (),
     ) -> None:
         self._camera, self._lens, self._renderer = camera, lens, renderer
         self._exposure_s = sensor.exposure_ms * 1e-3
@@ -40,13 +42,18 @@ class CameraFilm:
         self._still_developed: ImageArray = np.empty((0, 0, 3), np.uint8)
         self._canvas, self._dirty = self._still_developed, tuple[Window, ...]()
         size = camera.intrinsics
+        shine = glare(pinhole_camera(camera, lens), highlights, gain=sensor.gain)
+        self._glare = None if shine is None else lens.bend(shine)
         self._sensor = Sensor(sensor, camera.name, size.width_px, size.height_px, noise_seed)
 
     def shoot(self, state: Truth) -> tuple[Frame, CameraTruth]:
         """The frame whose mid-exposure is ``state``, and its truth."""
         rendered = self._exposed(state)
         windows = self._lens.bent_windows(rendered.windows)
-        image = self._sensor.grain(self._developed(rendered, windows), state.index)
+        image = self._developed(rendered, windows)
+        if self._glare is not None:
+            image = np.asarray(cv2.add(image, self._glare), np.uint8)
+        image = self._sensor.grain(self._sensor.balance(image, state.time_ns), state.index)
         frame = Frame(self._camera.name, state.index, state.time_ns, image)
         instances = self._bent_instances(rendered, windows)
         return frame, camera_truth(self._camera, state, instances, keep_instances=self._keep_instances)

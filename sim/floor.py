@@ -1,12 +1,14 @@
 """The tiled floor and the marks on it."""
 
+import math
+from dataclasses import dataclass
 from functools import lru_cache
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from contracts import FloatArray, ImageArray
+from contracts import FloatArray, ImageArray, InputError
 from sim.streams import stream
 
 TILE_M = 0.40
@@ -14,29 +16,51 @@ MARK_RADIUS_M = 0.011  # a control point is a yellow disc of 22 mm
 PERIOD_M = 5 * TILE_M  # the picture of the floor repeats after so many tiles: sharp at any size of floor
 _TEXELS = 2048
 _GROUT_M = 0.004
-_TILE_RGB = (176.0, 171.0, 162.0)
-_GROUT_RGB = (112.0, 108.0, 103.0)
+_GROUT_SHARE = 0.636  # of the tiles' colour, at contrast 1
+_MAX_CONTRAST = 5.0
+
+
+@dataclass(frozen=True)
+class FloorSpec:
+    """How the floor looks.
+
+    srgb: mean colour of the tiles, red, green, blue, 0 to 255.
+    contrast: factor on all that differs from it: tiles from each other, their mottle, the grout. 0 is a plain floor.
+    """
+
+    srgb: tuple[int, int, int] = (176, 171, 162)
+    contrast: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not all(0 <= level <= 255 for level in self.srgb):
+            raise InputError(f"srgb = {list(self.srgb)} must be three levels from 0 to 255")
+        if not (math.isfinite(self.contrast) and 0 <= self.contrast <= _MAX_CONTRAST):
+            raise InputError(f"contrast = {self.contrast} must lie in [0, {_MAX_CONTRAST}]")
 
 
 @lru_cache(maxsize=2)
-def floor_texture(seed: int) -> ImageArray:
-    """One period of the floor, (2048, 2048, 3) RGB: grey-beige tiles that differ a little, with grout between them.
+def floor_texture(seed: int, floor: FloorSpec) -> ImageArray:
+    """One period of the floor, (2048, 2048, 3) RGB: tiles that differ a little, with grout between them.
 
     The texture's edges are tile edges; it continues itself on all sides.
     """
     rng = stream(seed, "floor")
     n, tiles = _TEXELS, round(PERIOD_M / TILE_M)
     tile_of = np.arange(n) * tiles // n
-    tones = rng.normal(0.0, 5.0, (tiles, tiles, 1)) + rng.normal(0.0, 1.5, (tiles, tiles, 3)) + _TILE_RGB
-    mottle = sum(_mottle(rng, n, cells, strength) for cells, strength in ((32, 4.0), (128, 3.0), (1024, 3.0)))
+    tones = rng.normal(0.0, 5.0, (tiles, tiles, 1)) + rng.normal(0.0, 1.5, (tiles, tiles, 3))
+    tones = tones * floor.contrast + floor.srgb
+    mottle = floor.contrast * sum(
+        _mottle(rng, n, cells, strength) for cells, strength in ((32, 4.0), (128, 3.0), (1024, 3.0))
+    )
     grout = _grout(n)
     tile, spans = 1 - grout, np.bincount(tile_of)
     planes = []
-    for tone, grey in zip(np.moveaxis(tones.astype(np.float32), 2, 0), _GROUT_RGB, strict=True):
+    dark = max(0.0, 1.0 - floor.contrast * (1.0 - _GROUT_SHARE))
+    for tone, level in zip(np.moveaxis(tones.astype(np.float32), 2, 0), floor.srgb, strict=True):
         plane = np.repeat(tone[tile_of], spans, axis=1)  # (n, n)
         plane += mottle
-        plane = cv2.blendLinear(plane, np.full_like(plane, grey), tile, grout)
-        planes.append(cv2.convertScaleAbs(plane))
+        plane = cv2.blendLinear(plane, np.full_like(plane, dark * level), tile, grout)
+        planes.append(cv2.convertScaleAbs(np.maximum(plane, 0.0)))
     return np.asarray(cv2.merge(planes), np.uint8)
 
 

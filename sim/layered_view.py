@@ -17,10 +17,10 @@ from sim.outlines import covered, window_around
 from sim.paint import FACES, darkened, paint_table, painted
 from sim.renderer import Rendered, Window
 from sim.scene import Scene
-from sim.shade import along_beam, mixed, world_points
+from sim.shade import along_beam, mixed, points_at, world_points
 from sim.skyline import Skyline
 from sim.stage import Stage
-from sim.still_boxes import StillBoxes
+from sim.still_solids import StillSolids
 
 _NEARER = np.float32(1.0 - 4e-6)  # of boxes that run into each other the first one shows
 _COLOURS = slice(1, 5)  # the samples that decide colours; sample 0, the pixel's centre, decides identities
@@ -43,7 +43,7 @@ class LayeredView:
         self._owner = np.zeros(self._near.shape, np.uint16)
         self._shade = np.zeros(self._near.shape, np.uint8)
         self._before: list[tuple[Window, Array32]] = []  # how near the scene was where vehicles now are
-        self._still_boxes = StillBoxes(scene)
+        self._still_solids = StillSolids(scene)
         self._backdrops = Backdrops(camera, scene, stage)
         self._across: tuple[tuple[float, float, float], Array32] | None = None
 
@@ -112,14 +112,18 @@ class LayeredView:
         return shade
 
     def _shade_by_scene(self, row: int, box: Box, window: Window, light: Light) -> None:
-        """Mark the samples of a vehicle from which boxes that stand still keep a beam."""
+        """Mark the samples of a vehicle from which what stands still keeps a beam."""
         samples = (_COLOURS, *window)
         for bit, beam in enumerate(light.beams):
-            for still in self._still_boxes.before(box, beam):
-                own = self._owner[samples] - np.uint16(1 + FACES * row) < FACES
-                shade = np.zeros(own.shape, np.bool_)
-                self._look(own, still, beam, window, shade)
-                self._shade[samples] |= shade.view(np.uint8) << bit
+            solids = self._still_solids.before(box, beam)
+            if not solids:
+                continue
+            sample, v, u = np.nonzero(self._owner[samples] - np.uint16(1 + FACES * row) < FACES)
+            du, dv = SAMPLES_PX[_COLOURS][sample].T
+            depth_m = np.float32(1.0) / self._near[samples][sample, v, u]
+            points = points_at(self._camera, u + window[1].start + du, v + window[0].start + dv, depth_m)
+            dark = np.logical_or.reduce([solid.shades(points, beam) for solid in solids])
+            self._shade[samples][sample, v, u] |= dark.view(np.uint8) << bit
 
     def _look(self, at: BoolArray, box: Box, beam: Beam, window: Window, shade: BoolArray) -> None:
         """Look sample by sample, where ``at`` (S, h, w) says so, whether a box keeps a beam away: into ``shade``."""

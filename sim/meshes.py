@@ -56,6 +56,16 @@ def boxes(centres_m: FloatArray, headings_rad: FloatArray, size_m: FloatArray, *
     return _quads(np.concatenate([high, *sides]))
 
 
+def prism(outline_m: FloatArray, *, bottom_m: float, top_m: float) -> Mesh:
+    """An upright prism over a convex outline (C, 2), counter-clockwise, closed."""
+    n = len(outline_m)
+    low = np.column_stack([outline_m, np.full(n, bottom_m)])
+    high = np.column_stack([outline_m, np.full(n, top_m)])
+    fan = np.array([[0, k, k + 1] for k in range(1, n - 1)])
+    sides = _quads(np.stack([low, np.roll(low, -1, 0), np.roll(high, -1, 0), high], axis=1))
+    return merged([Mesh(high, fan), Mesh(low, fan[:, ::-1]), sides])
+
+
 def discs(centres_m: FloatArray, radius_m: float, *, slices: int = 32) -> Mesh:
     """Flat discs, seen from above, with centres (N, 3)."""
     angle = np.arange(slices) * (2 * np.pi / slices)

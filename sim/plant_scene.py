@@ -4,23 +4,28 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from contracts import Camera, FloatArray, SwitchState
+from contracts import BoolArray, Camera, FloatArray, SwitchState
 from rail import Plant
 from rail.switch_status import spot_visible
-from sim.floor import control_points, floor_around
+from sim.floor import MARK_RADIUS_M, control_points, floor_around
 from sim.scene import Scene, Spot
 from sim.shade import ground_in_view
 from sim.streams import stream
+from sim.surroundings import ObjectSpec, Surroundings
 
 _LINE_STEP_M = 0.01
 _MARK_CLEARANCE_M = 0.055  # half a sleeper, a mark's radius and a little more
 _MACHINE_CLEARANCE_M = 0.04
 _SURROUNDINGS_M = 0.5
 _CLUTTER_PER_M2 = 0.6
+_BARE: Surroundings = Surroundings()
 
 
-def scene_of_plant(plant: Plant, cameras: Sequence[Camera], seed: int) -> Scene:
-    """Lay out the scene under ``cameras``; the floor's picture and the clutter are drawn from ``seed``."""
+def scene_of_plant(plant: Plant, cameras: Sequence[Camera], seed: int, surroundings: Surroundings = _BARE) -> Scene:
+    """Lay out the scene under ``cameras``; the floor's picture and the clutter are drawn from ``seed``.
+
+    Marks and clutter keep away from what is in ``surroundings``.
+    """
     lines = tuple(section.curve.points(_LINE_STEP_M) for section in plant.sections.values())
     spots = tuple(
         Spot(
@@ -38,6 +43,10 @@ def scene_of_plant(plant: Plant, cameras: Sequence[Camera], seed: int) -> Scene:
     floor = _floor_under(plant, cameras)
     marks = control_points(floor, track, clearance_m=_MARK_CLEARANCE_M)
     marks = _apart(marks, machines, _MACHINE_CLEARANCE_M)
+    things = surroundings.things
+    marks = marks[_uncovered(marks[:, :2], np.full(len(marks), MARK_RADIUS_M), things)]
+    clutter = _clutter(floor, np.concatenate([track, machines]), marks[:, :2], stream(seed, "clutter/place"))
+    clutter = clutter[_uncovered(clutter[:, :2], np.hypot(clutter[:, 3], clutter[:, 4]) / 2, things)]
     return Scene(
         floor_m=floor,
         control_points_m=marks,
@@ -45,7 +54,9 @@ def scene_of_plant(plant: Plant, cameras: Sequence[Camera], seed: int) -> Scene:
         spots=spots,
         balises_m=np.array([[p.x_m, p.y_m, p.heading_rad] for p in balises]).reshape(-1, 3),
         buffers_m=np.array([[p.x_m, p.y_m, p.heading_rad] for p in buffers]).reshape(-1, 3),
-        clutter_m=_clutter(floor, np.concatenate([track, machines]), marks[:, :2], stream(seed, "clutter/place")),
+        clutter_m=clutter,
+        things=things,
+        floor=surroundings.floor,
         seed=seed,
     )
 
@@ -68,6 +79,14 @@ def _apart(points_m: FloatArray, from_m: FloatArray, distance_m: float) -> Float
         return points_m
     gaps = np.array([np.hypot(*(from_m - point[:2]).T).min() for point in points_m])
     return points_m[gaps > distance_m]
+
+
+def _uncovered(points_m: FloatArray, radii_m: FloatArray, things: Sequence[ObjectSpec]) -> BoolArray:
+    """Which of the discs on the floor, (N, 2) and (N,), nothing stands on or, in a steep view, before; (N,)."""
+    free = np.ones(len(points_m), np.bool_)
+    for solid in (thing.solid for thing in things):
+        free &= solid.gap_m(points_m) > radii_m + solid.top_m
+    return free
 
 
 def _clutter(floor_m: FloatArray, track_m: FloatArray, marks_m: FloatArray, rng: np.random.Generator) -> FloatArray:

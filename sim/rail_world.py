@@ -10,10 +10,15 @@ from contracts.truth import CameraTruth, Step, Truth
 from rail import Plant
 from sim.board import BOARD, board_views
 from sim.lens import Lens
+from sim.light_program import LightProgram
 from sim.lights import LightPreset
 from sim.plant_scene import scene_of_plant
 from sim.renderer import RendererName
 from sim.rig import RigSpec, nominal_cameras, true_cameras
+from sim.sensor import SensorSpec
+from sim.surroundings import Surroundings
+
+_BARE = Surroundings()
 
 
 class Motion(Protocol):
@@ -33,6 +38,7 @@ class RailWorld:
     film: False gives the truth without frames, and needs no graphics.
     workers: processes that share the cameras; the frames are the same for any number.
     renderer: how frames are drawn.
+    surroundings: what an author put round the track. sensor: of all cameras, instead of the rig's.
     """
 
     def __init__(
@@ -42,25 +48,28 @@ class RailWorld:
         times_ns: Sequence[int],
         *,
         rig: RigSpec,
-        light: LightPreset | str,
+        light: LightPreset | LightProgram | str,
         seed: int,
         noise_seed: int | None = None,
         film: bool = True,
         workers: int = 1,
         keep_instances: bool = True,
         renderer: RendererName | str = RendererName.LAYERED,
+        surroundings: Surroundings = _BARE,
+        sensor: SensorSpec | None = None,
     ) -> None:
-        if light not in list(LightPreset):
+        if not isinstance(light, LightProgram) and light not in list(LightPreset):
             raise InputError(f"light {light!r} is unknown; choose from {', '.join(LightPreset)}")
         if renderer not in list(RendererName):
             raise InputError(f"renderer {renderer!r} is unknown; choose from {', '.join(RendererName)}")
         self._renderer = RendererName(renderer)
         self._motion, self._times_ns, self._rig = motion, tuple(times_ns), rig
-        self._light = LightPreset(light)
+        self._light = light if isinstance(light, LightProgram) else LightPreset(light)
+        self._sensor, self._highlights = sensor or rig.sensor, surroundings.highlights
         self._seed, self._noise_seed = seed, seed if noise_seed is None else noise_seed
         self._film, self._workers, self._keep_instances = film, workers, keep_instances
         self._cameras = true_cameras(rig, seed)
-        self._scene = scene_of_plant(plant, self._cameras, seed)
+        self._scene = scene_of_plant(plant, self._cameras, seed, surroundings)
         self._survey = Survey(nominal_cameras(rig), self._scene.control_points_m, BOARD)
 
     @property
@@ -87,10 +96,11 @@ class RailWorld:
             self._scene,
             self._cameras,
             self._light,
-            self._rig.sensor,
+            self._sensor,
             noise_seed=self._noise_seed,
             keep_instances=self._keep_instances,
             renderer=self._renderer,
+            highlights=self._highlights,
         )
         return map(_step, states, film(spec, filmed, workers=self._workers))
 
@@ -103,7 +113,7 @@ class RailWorld:
         return board_views(
             chosen,
             Lens.of(chosen.intrinsics),
-            self._rig.sensor,
+            self._sensor,
             BOARD,
             seed=self._seed,
             noise_seed=self._noise_seed,

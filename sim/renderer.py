@@ -1,8 +1,12 @@
 """The one interface that every renderer has."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Protocol
+
+import cv2
+import numpy as np
 
 from contracts import ImageArray
 from contracts.truth import Truth
@@ -31,6 +35,15 @@ class Rendered:
     instances: ImageArray
     still: ImageArray | None = None
     windows: tuple[Window, ...] = ()
+
+
+def blended(pictures: Sequence[tuple[float, Rendered]]) -> Rendered:
+    """The picture under one light or two, from those under each of them and their weights, which sum to 1."""
+    (weight, picture), *second = pictures
+    for other_weight, other in second:
+        image = cv2.addWeighted(picture.image, weight, other.image, other_weight, 0.0)
+        picture = Rendered(np.asarray(image, np.uint8), picture.instances)
+    return picture
 
 
 class Renderer(Protocol):

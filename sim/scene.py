@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from contracts import FloatArray, SwitchState
+from sim.floor import FloorSpec
+from sim.surroundings import ObjectSpec
 
 FLOOR_Z_M = -0.0005  # just below the marks, which lie exactly on z = 0
 SPOT_RADIUS_M = 0.005
@@ -32,6 +34,8 @@ class Scene:
     spots: one per switch.
     balises_m, buffers_m: (N, 3) x, y, heading.
     clutter_m: (N, 6) x, y, heading, length, width, height of boxes beside the track.
+    things: what an author added.
+    floor: how the floor looks.
     seed: of the floor's picture and the clutter's colours.
     """
 
@@ -42,4 +46,6 @@ class Scene:
     balises_m: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
     buffers_m: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
     clutter_m: FloatArray = field(default_factory=lambda: np.empty((0, 6)))
+    things: tuple[ObjectSpec, ...] = ()
+    floor: FloorSpec = field(default_factory=FloorSpec)
     seed: int = 0

@@ -5,9 +5,11 @@ import numpy as np
 
 from contracts import FloatArray
 from sim.floor import MARK_RADIUS_M, PERIOD_M, floor_texture
-from sim.meshes import Mesh, boxes, discs, merged, ribbon
+from sim.lights import Rgb
+from sim.meshes import Mesh, boxes, discs, merged, prism, ribbon
 from sim.scene import BUFFER_SIZE_M, FLOOR_Z_M, SPOT_HEIGHT_M, SPOT_RADIUS_M, Scene
 from sim.streams import stream
+from sim.surroundings import SHEET_M
 
 _GAUGE_M = 0.032
 _RAIL_M = (0.0028, 0.0035, 0.0085)  # width, bottom, top
@@ -25,7 +27,8 @@ _BUFFER = (0.30, 0.27, 0.25)
 def build_model(scene: Scene, *, buffer_px: tuple[int, int]) -> mujoco.MjModel:
     """Compile the scene for off-screen pictures of at most ``buffer_px`` (width, height).
 
-    Geoms named ``spot/<switch>`` are the switch spots; their colour is the renderer's to change.
+    Geoms named ``spot/<switch>`` are the switch spots; their colour is the renderer's to change. Those named
+    ``sheet/<number>`` lie flat on the floor.
     """
     spec = mujoco.MjSpec()
     _set_quality(spec, buffer_px)
@@ -48,7 +51,7 @@ def _set_quality(spec: mujoco.MjSpec, buffer_px: tuple[int, int]) -> None:
 
 def _add_floor(spec: mujoco.MjSpec, scene: Scene) -> None:
     x0, y0, x1, y1 = scene.floor_m
-    picture = floor_texture(scene.seed)
+    picture = floor_texture(scene.seed, scene.floor)
     texture = spec.add_texture(
         name="floor", type=mujoco.mjtTexture.mjTEXTURE_2D, width=picture.shape[1], height=picture.shape[0], nchannel=3
     )
@@ -65,7 +68,7 @@ def _add_floor(spec: mujoco.MjSpec, scene: Scene) -> None:
     )
 
 
-def _furniture(scene: Scene) -> list[tuple[str, Mesh, tuple[float, float, float]]]:
+def _furniture(scene: Scene) -> list[tuple[str, Mesh, Rgb]]:
     """Name, mesh and colour of everything but floor and clutter."""
     parts = [("marks", discs(scene.control_points_m, MARK_RADIUS_M), _YELLOW)]
     if scene.centrelines_m:
@@ -82,6 +85,11 @@ def _furniture(scene: Scene) -> list[tuple[str, Mesh, tuple[float, float, float]
     if len(scene.buffers_m):
         places = scene.buffers_m
         parts.append(("buffers", boxes(places[:, :2], places[:, 2], BUFFER_SIZE_M), _BUFFER))
+    for number, thing in enumerate(scene.things):
+        solid = thing.solid
+        kind = "sheet" if solid.top_m <= SHEET_M else "object"
+        mesh = prism(solid.outline_m, bottom_m=solid.bottom_m, top_m=solid.top_m)
+        parts.append((f"{kind}/{number}", mesh, thing.rgb))
     return parts
 
 
@@ -104,7 +112,7 @@ def _sleepers(line_m: FloatArray) -> Mesh:
     return boxes(centres, np.arctan2(step[segment, 1], step[segment, 0]), np.array(_SLEEPER_M))
 
 
-def _add_mesh(spec: mujoco.MjSpec, name: str, mesh: Mesh, colour: tuple[float, float, float]) -> None:
+def _add_mesh(spec: mujoco.MjSpec, name: str, mesh: Mesh, colour: Rgb) -> None:
     spec.add_mesh(
         name=name,
         uservert=mesh.vertices_m.ravel().tolist(),

@@ -7,9 +7,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from contracts import ImageArray, InputError
+from contracts import FloatArray, ImageArray, InputError
 from sim.streams import stream
 
+_PERIODS = np.array([1.13, 0.97, 0.83])  # of blue, green, red
 _POOL_SPARE_PX = 256  # the noise pool is larger than the image by this much each way
 
 
@@ -21,18 +22,26 @@ class SensorSpec:
     defocus_px: standard deviation of the blur disc, taken as Gaussian.
     gain: factor on all values; 1 is the exposure for which the light presets are balanced.
     exposure_ms: time for which the shutter is open; moving things smear.
+    white_balance_drift: largest share by which the gain of a colour channel departs from ``gain`` as time goes by; red,
+        green and blue go their own ways, each once round in about ``white_balance_period_s``.
     """
 
     noise: float = 1.5
     defocus_px: float = 0.5
     gain: float = 1.0
     exposure_ms: float = 2.0
+    white_balance_drift: float = 0.0
+    white_balance_period_s: float = 10.0
 
     def __post_init__(self) -> None:
         for name in ("noise", "defocus_px", "gain", "exposure_ms"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value >= 0):
                 raise InputError(f"SensorSpec.{name} = {value} must be a finite number, 0 or more")
+        if not 0 <= self.white_balance_drift < 1:
+            raise InputError(f"SensorSpec.white_balance_drift = {self.white_balance_drift} must lie in [0, 1)")
+        if not (np.isfinite(self.white_balance_period_s) and self.white_balance_period_s > 0):
+            raise InputError(f"SensorSpec.white_balance_period_s = {self.white_balance_period_s} must be positive")
 
 
 class Sensor:
@@ -42,6 +51,7 @@ class Sensor:
         self._spec = spec
         self._concern = f"noise/{camera}"
         self._seed = noise_seed
+        self._phases = stream(noise_seed, f"white balance/{camera}").uniform(0.0, 2.0 * math.pi, 3)
         shape = (height_px + _POOL_SPARE_PX, width_px + _POOL_SPARE_PX, 3)
         drawn = stream(noise_seed, self._concern).integers(0, 1 << 16, shape if spec.noise else 1, np.uint16)
         brighter, darker = _whole_normals(spec.noise)  # two unsigned halves: saturating sums are fastest
@@ -65,6 +75,19 @@ class Sensor:
         if spec.gain != 1.0:
             image = np.asarray(cv2.convertScaleAbs(image, alpha=spec.gain), np.uint8)
         return image
+
+    def channel_gains(self, time_ns: int) -> FloatArray:
+        """Factors (3,) BGR of the white balance at a moment: sines of seeded phase, of periods a little apart."""
+        angle = 2.0 * math.pi * time_ns * 1e-9 / (self._spec.white_balance_period_s * _PERIODS)
+        return np.asarray(1.0 + self._spec.white_balance_drift * np.sin(angle + self._phases))
+
+    def balance(self, image: ImageArray, time_ns: int) -> ImageArray:
+        """The image with the white balance of a moment."""
+        if not self._spec.white_balance_drift:
+            return image
+        levels = np.arange(256.0)[:, None] * self.channel_gains(time_ns)  # (256, 3)
+        table = np.minimum(np.rint(levels), 255.0).astype(np.uint8)[None]
+        return np.asarray(cv2.LUT(image, table), np.uint8)
 
     def grain(self, image: ImageArray, index: int) -> ImageArray:
         """A fresh image with the noise of frame ``index``.

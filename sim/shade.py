@@ -22,6 +22,14 @@ def world_points(camera: Camera, depth_m: NDArray[np.float32], *, top_px: int = 
     return np.asarray(in_camera @ camera.pose.world_from_camera.T + camera.pose.position_m)
 
 
+def points_at(camera: Camera, u_px: FloatArray, v_px: FloatArray, depth_m: NDArray[np.float32]) -> FloatArray:
+    """What single places (N,) of a pinhole's picture show, (N, 3) world, from their depth (N,) along the axis."""
+    numbers = camera.intrinsics
+    x, y = (u_px - numbers.cx_px) / numbers.fx_px, (v_px - numbers.cy_px) / numbers.fy_px
+    in_camera = np.column_stack([depth_m * x, depth_m * y, depth_m])
+    return np.asarray(in_camera @ camera.pose.world_from_camera.T + camera.pose.position_m)
+
+
 def along_beam(points_m: FloatArray, beam: Beam) -> FloatArray:
     """Where the beam through each point (..., 3) meets the ground, (..., 2)."""
     direction = beam.direction

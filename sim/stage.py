@@ -110,7 +110,7 @@ class Stage:
         """Mean colour of each part, (1 + parts, 3) BGR, 1 for white; row 0 is nothing at all."""
         rgb = np.array([[0.0, 0.0, 0.0], *(geom.rgba[:3] for geom in self._drawn.geoms[: self._static_count])])
         floor = 1 + self._model.geom("floor").id
-        rgb[floor] *= floor_texture(self._scene.seed).reshape(-1, 3).mean(axis=0) / 255.0
+        rgb[floor] *= floor_texture(self._scene.seed, self._scene.floor).reshape(-1, 3).mean(axis=0) / 255.0
         return rgb[:, ::-1]
 
     def _segmented(self) -> tuple[ImageArray, NDArray[np.float32]]:
@@ -140,7 +140,8 @@ def _static_geometry(model: mujoco.MjModel) -> mujoco.MjvScene:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     mujoco.mjv_updateScene(model, data, mujoco.MjvOption(), None, mujoco.MjvCamera(), mujoco.mjtCatBit.mjCAT_ALL, drawn)
-    flat = [model.geom(name).id for name in ("floor", "marks")]
+    names = [model.geom(k).name for k in range(model.ngeom)]
+    flat = [k for k, name in enumerate(names) if name in ("floor", "marks") or name.startswith("sheet/")]
     for geom in drawn.geoms[: drawn.ngeom]:
         geom.segid = _STATIC_SEGID
         geom.castshadow = geom.objid not in flat  # or what lies on the ground would speckle itself in wide views

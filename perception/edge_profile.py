@@ -42,34 +42,42 @@ _SETTLED_COST = 0.01
 class EdgeFits:
     """The model fitted to S profiles, without a wall (row 0) and with one (row 1).
 
-    edges_px, walls_px: (2, S) where the roof ends, and the width of the wall behind it.
+    edges_px, walls_px: (2, S) where the roof ends, and the width of the wall behind it. shades: (2, S) of the wall.
     costs: (2, S) half the sum of squared residuals, each over its standard deviation; priors included.
+    roofs: (S, 3) and backgrounds: (2, S, 3) BGR.
     """
 
     edges_px: FloatArray
     walls_px: FloatArray
+    shades: FloatArray
     costs: FloatArray
+    roofs: FloatArray
+    backgrounds: FloatArray
 
 
 def fit_edges(profiles: FloatArray, t_px: FloatArray, walls_px: FloatArray | None = None) -> EdgeFits:
     """Fit S profiles, all at once.
 
-    profiles: (S, T, 3) mean BGR at the offsets ``t_px`` (T,), which grow outwards; the roof ends near 0.
+    profiles: (S, T, 3) mean BGR at the offsets ``t_px`` (T,) or (S, T), which grow outwards; the roof ends near 0.
     walls_px: (S,) about how wide the walls are, where that is known; if not, the fit starts from several widths.
     """
-    sides, reach = len(profiles), float(t_px[-1])
+    sides, t_px = len(profiles), np.broadcast_to(t_px, profiles.shape[:2])
+    reach = float(t_px[:, -1].min())
     starts = [np.full(sides, start) for start in WALL_STARTS_PX] if walls_px is None else [walls_px]
     ends = np.concatenate([np.zeros(sides), *(np.clip(start, WALL_STARTS_PX[0], reach) for start in starts)])
     copies = 1 + len(starts)
-    edges, ends, costs = (each.reshape(copies, sides) for each in _fit(np.tile(profiles, (copies, 1, 1)), t_px, ends))
-    best = 1 + np.argmin(costs[1:], axis=0)  # (S,)
-    pick = np.stack([np.zeros_like(best), best]), np.arange(sides)
-    return EdgeFits(edges[pick], (ends - edges)[pick], costs[pick])
+    profile = _Profiles.of(np.tile(profiles, (copies, 1, 1)), np.tile(t_px, (copies, 1)), ends > 0)
+    parameters = _fit(profile, ends)  # (K, 3)
+    costs, backgrounds = profile.costs(parameters)
+    best = 1 + np.argmin(costs.reshape(copies, sides)[1:], axis=0)  # (S,)
+    pick = np.stack([np.zeros_like(best), best]) * sides + np.arange(sides)  # (2, S)
+    edges, outer, shades = np.moveaxis(parameters[pick], -1, 0)
+    return EdgeFits(edges, outer - edges, shades, costs[pick], profile.roof[:sides], backgrounds[pick])
 
 
-def _fit(profiles: FloatArray, t_px: FloatArray, ends_px: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Edges (K,), outer ends of the walls (K,) and costs (K,). A wall that starts at 0 stays 0."""
-    profile = _Profiles.of(profiles, t_px, ends_px > 0)
+def _fit(profile: "_Profiles", ends_px: FloatArray) -> FloatArray:
+    """(K, 3) edges, outer ends of the walls and shades. A wall that starts at 0 stays 0."""
+    low, high = profile.t_px[:, 0], profile.t_px[:, -1]
     parameters = np.stack([np.zeros_like(ends_px), ends_px, np.full_like(ends_px, SHADE)], axis=1)  # (K, 3)
     plain = ~profile.walled
     moving = np.ones((len(ends_px), 1), np.bool_)  # each profile stops by itself, whatever the others do
@@ -77,18 +85,18 @@ def _fit(profiles: FloatArray, t_px: FloatArray, ends_px: FloatArray) -> tuple[F
         wanted, gain = profile.newton_step(parameters)
         step = np.clip(wanted, -_LARGEST_STEP, _LARGEST_STEP) * moving
         parameters += step
-        edge = parameters[:, 0] = np.clip(parameters[:, 0], t_px[0], t_px[-1])
-        parameters[:, 1] = np.where(plain, edge, np.clip(parameters[:, 1], edge, edge + t_px[-1]))
+        edge = parameters[:, 0] = np.clip(parameters[:, 0], low, high)
+        parameters[:, 1] = np.where(plain, edge, np.clip(parameters[:, 1], edge, edge + high))
         parameters[:, 2] = np.maximum(parameters[:, 2], LEAST_SHADE)
         moving &= (np.abs(step[:, :1]) >= _SETTLED_PX) | (gain[:, None] >= _SETTLED_COST)
         if not moving.any():
             break
-    return parameters[:, 0], parameters[:, 1], profile.costs(parameters)
+    return parameters
 
 
 @dataclass(frozen=True, eq=False)
 class _Profiles:
-    """K profiles (K, T, 3), the colours of their roofs (K, 3), weights (K, T), and which are fitted with a wall (K,).
+    """K profiles (K, T, 3) at (K, T), their roofs (K, 3), weights (K, T), and which are fitted with a wall (K,).
 
     The parameters (K, 3) are the edge, the outer end of the wall and its shade. The model is linear in the background's
     colour, which is eliminated: variable projection (Golub and Pereyra 1973), in Kaufman's (1975) approximation. Each
@@ -103,10 +111,10 @@ class _Profiles:
 
     @classmethod
     def of(cls, profiles: FloatArray, t_px: FloatArray, walled: BoolArray) -> "_Profiles":
-        roof = profiles[:, t_px <= ROOF_T_PX].mean(axis=1)  # (K, 3)
-        background = profiles[:, t_px >= t_px[-1] - 2].mean(axis=1)
+        roof = _mean_where(profiles, t_px <= ROOF_T_PX)  # (K, 3)
+        background = _mean_where(profiles, t_px >= t_px[:, -1:] - 2)
         sigma = np.maximum(SIGMA_SHARE * np.linalg.norm(roof - background, axis=1), LEAST_SIGMA)
-        weights = np.exp(-((t_px / REACH_SIGMA_PX) ** 2)) / sigma[:, None] ** 2  # (K, T)
+        weights = np.exp(-((t_px / REACH_SIGMA_PX) ** 2)) / sigma[:, None] ** 2
         return cls(profiles, t_px, roof, weights, walled)
 
     def newton_step(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -126,16 +134,16 @@ class _Profiles:
         wanted = np.linalg.solve(normal, right[..., None])[..., 0]
         return np.asarray(wanted), np.asarray((wanted * right).sum(axis=1) / 2)
 
-    def costs(self, parameters: FloatArray) -> FloatArray:
-        """(K,) half the weighted sum of squared residuals, the prior of the shade included."""
-        _, _, residuals = self._linearised(parameters)
+    def costs(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(K,) half the weighted sum of squared residuals, the prior of the shade included; backgrounds (K, 3)."""
+        _, background, residuals = self._linearised(parameters)
         prior = ((parameters[:, 2] - SHADE) / SHADE_SIGMA) ** 2
-        return np.asarray((np.einsum("ktc,ktc,kt->k", residuals, residuals, self.weights) + prior) / 2)
+        return (np.einsum("ktc,ktc,kt->k", residuals, residuals, self.weights) + prior) / 2, background
 
     def _linearised(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """How edge, end, shade and background shape it (K, 4, T); best background (K, 3); residuals (K, T, 3)."""
-        past, slope = step((self.t_px - parameters[:, :2, None]) / BLUR_PX)  # (K, 2, T) each: past edge, past wall
-        shapes = np.empty((len(past), 4, len(self.t_px)))
+        past, slope = step((self.t_px[:, None] - parameters[:, :2, None]) / BLUR_PX)  # (K, 2, T): past edge, past wall
+        shapes = np.empty((len(past), 4, self.t_px.shape[1]))
         shapes[:, :2], shapes[:, 2], shapes[:, 3] = slope, past[:, 0] - past[:, 1], past[:, 1]
         share = 1 - past[:, 0] + parameters[:, 2:] * shapes[:, 2]  # (K, T) of the roof's colour
         rest = self.profiles - share[..., None] * self.roof[:, None]
@@ -146,6 +154,11 @@ class _Profiles:
 
 
 _DIAGONAL = np.arange(3)
+
+
+def _mean_where(profiles: FloatArray, counted: BoolArray) -> FloatArray:
+    """(K, 3) mean colours of the samples (K, T) that count."""
+    return np.asarray((counted[:, None] @ profiles)[:, 0] / counted.sum(axis=1, keepdims=True))
 
 
 def step(z: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -1,9 +1,4 @@
-"""The edge model of ``edge_profile`` fitted to the four sides of a roof that is followed.
-
-Model, priors and the test that decides on walls are those of ``fit_edges``. The way to the minimum is shorter: the
-last fit's walls are near, and the background's colour, in which the model is linear, is eliminated (variable
-projection, Golub and Pereyra 1973), which leaves three unknowns to a side.
-"""
+"""The edge model of ``edge_profile`` on the four sides of a roof that is followed: fitted, and linearised."""
 
 from dataclasses import dataclass
 
@@ -13,25 +8,18 @@ from numpy.typing import NDArray
 from contracts import BoolArray, FloatArray
 from perception.edge_profile import (
     BLUR_PX,
-    LEAST_SHADE,
     LEAST_SIGMA,
     REACH_SIGMA_PX,
-    ROOF_T_PX,
-    SHADE,
     SHADE_SIGMA,
     SIGMA_SHARE,
+    fit_edges,
     step,
 )
 from perception.roof import REACH_PX, WALL_EVIDENCE
 from perception.roof_window import SIDE_OF_ROW, WindowPlan
 
-ITERATIONS = 5
-SETTLED_PX = 0.02
-_LARGEST_STEP = np.array([1.0, 1.0, 0.2])
-_LEAST_START_PX = 1.0  # of a wall: from none at all the fit would not find one
 _DAMPING = 1e-3
 _PRIOR = np.diag([_DAMPING, _DAMPING, 1 / SHADE_SIGMA**2, _DAMPING, _DAMPING, _DAMPING])
-_WALLED = np.repeat([False, True], 4)  # each side is fitted without a wall, then with one
 _FIRST_ROW, _LAST_ROW = np.array([0, 2, 3, 5]), np.array([1, 2, 4, 5])  # of each side
 _LONG_ROWS, _LONG_SIDES = np.array([0, 1, 3, 4]), np.array([0, 0, 2, 2])
 _TURNS_BY = np.array([0.5, -0.5, -0.5, 0.5])  # outward shift of these rows when the roof turns, of their distance
@@ -58,33 +46,20 @@ class ProfileFit:
     costs: FloatArray
 
 
-def fit_profiles(rows: FloatArray, plan: WindowPlan, walls_px: FloatArray, shades: FloatArray) -> ProfileFit:
-    """Fit the profiles ``rows`` (6, T, 3) of a window, from walls and shades (4,) that are near."""
-    profiles, t_px = _of_sides(rows), plan.t_px[_FIRST_ROW]
-    roof = _mean_where(profiles, t_px <= ROOF_T_PX)
-    twice = _Twice(*(np.concatenate([a, a]) for a in (profiles, t_px, roof, _weights(profiles, roof, t_px))))
-    parameters = np.zeros((8, 3))  # edge, end of the wall, shade
-    parameters[4:, 1], parameters[:, 2] = np.maximum(walls_px, _LEAST_START_PX), np.concatenate([shades, shades])
-    for _ in range(ITERATIONS):
-        change = np.clip(twice.newton_step(parameters), -_LARGEST_STEP, _LARGEST_STEP)
-        parameters += change
-        parameters[:4, 1] = parameters[:4, 0]
-        parameters[4:, 1] = np.maximum(parameters[4:, 1], parameters[4:, 0])
-        parameters[:, 2] = np.maximum(parameters[:, 2], LEAST_SHADE)
-        if np.abs(change[:, 0]).max() < SETTLED_PX:
-            break
-    costs, background = twice.costs(parameters)
-    walled = costs[:4] - costs[4:] > WALL_EVIDENCE
-    pick = np.arange(4) + 4 * walled
+def fit_profiles(rows: FloatArray, plan: WindowPlan, walls_px: FloatArray | None = None) -> ProfileFit:
+    """Fit the profiles ``rows`` (6, T, 3) of a window; ``walls_px`` (4,) are about as wide, if that is known."""
+    fits = fit_edges(_of_sides(rows), plan.t_px[_FIRST_ROW], walls_px)
+    walled = fits.costs[0] - fits.costs[1] > WALL_EVIDENCE
+    pick = walled.astype(np.intp), np.arange(4)
     return ProfileFit(
-        edges_px=parameters[pick, 0],
+        edges_px=fits.edges_px[pick],
         turn_rad=_turn_rad(rows, plan),
         walled=walled,
-        walls_px=np.minimum(parameters[4:, 1] - parameters[4:, 0], REACH_PX),
-        shades=parameters[4:, 2],
-        roof=roof,
-        background=background[pick],
-        costs=costs[pick],
+        walls_px=np.minimum(fits.walls_px[1], REACH_PX),
+        shades=fits.shades[1],
+        roof=fits.roofs,
+        background=fits.backgrounds[pick],
+        costs=fits.costs[pick],
     )
 
 
@@ -149,11 +124,6 @@ def _of_sides(rows: FloatArray) -> FloatArray:
     return np.asarray((rows[_FIRST_ROW] + rows[_LAST_ROW]) / 2)
 
 
-def _mean_where(profiles: FloatArray, counted: BoolArray) -> FloatArray:
-    weights = counted / np.maximum(counted.sum(axis=1, keepdims=True), 1)
-    return np.asarray((weights[:, None] @ profiles)[:, 0])
-
-
 def _weights(profiles: FloatArray, roof: FloatArray, t_px: FloatArray) -> FloatArray:
     """(S, T) one over the variance by which each sample may depart."""
     contrast = np.linalg.norm(roof - profiles[:, -3:].mean(axis=1), axis=1, keepdims=True)
@@ -169,54 +139,3 @@ def _turn_rad(rows: FloatArray, plan: WindowPlan) -> float:
     farther = ((halves[:, 0] - halves[:, 1]) * slope * near).sum(axis=(1, 2))  # after the middle than before it
     power = (slope**2 * near).sum()
     return float((farther[1] - farther[0]) / max(power, 1.0) / plan.apart_px)
-
-
-@dataclass(frozen=True, eq=False)
-class _Twice:
-    """Each side's profile for the model without a wall, then for the one with a wall.
-
-    profiles: (8, T, 3). t_px, weights: (8, T). roof: (8, 3).
-    """
-
-    profiles: FloatArray
-    t_px: FloatArray
-    roof: FloatArray
-    weights: FloatArray
-
-    def newton_step(self, parameters: FloatArray) -> FloatArray:
-        """(8, 3) Gauss-Newton step in edge, end of the wall and shade; the best background follows each."""
-        basis, background, residuals = self._linearised(parameters)
-        shade = parameters[:, 2:]
-        face = shade * self.roof  # (8, 3) the wall's colour
-        colours = np.empty((8, 3, 3))  # parameter, channel
-        colours[:4, 0] = (self.roof - background)[:4]
-        colours[4:, 0] = (self.roof - face)[4:]
-        colours[:4, 1:] = 0.0
-        colours[4:, 1] = (face - background)[4:]
-        colours[4:, 2] = self.roof[4:]
-        weighted = basis * self.weights[:, None]  # (8, 4, T)
-        gram = weighted @ basis.transpose(0, 2, 1)  # (8, 4, 4)
-        spent = gram[:, :3, 3:] * gram[:, 3:, :3] / np.maximum(gram[:, 3:, 3:], 1e-9)
-        normal = (gram[:, :3, :3] - spent) * (colours @ colours.transpose(0, 2, 1)) + _DAMPING * np.eye(3)
-        right = ((weighted[:, :3] @ residuals) * colours).sum(axis=-1)  # (8, 3)
-        normal[4:, 2, 2] += 1 / SHADE_SIGMA**2
-        right[4:, 2] += (SHADE - shade[4:, 0]) / SHADE_SIGMA**2
-        return np.asarray(np.linalg.solve(normal, right[..., None])[..., 0])
-
-    def costs(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """(8,) half the sum of squared residuals, the shade's prior included; and the best backgrounds (8, 3)."""
-        _, background, residuals = self._linearised(parameters)
-        prior = np.where(_WALLED, (parameters[:, 2] - SHADE) / SHADE_SIGMA, 0.0)
-        return ((residuals**2).sum(axis=-1) * self.weights).sum(axis=-1) / 2 + prior**2 / 2, background
-
-    def _linearised(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Basis (8, 4, T) of the derivatives, best background (8, 3), residuals (8, T, 3)."""
-        past_edge, edge_slope = step((self.t_px - parameters[:, 0:1]) / BLUR_PX)
-        past_wall, wall_slope = step((self.t_px - parameters[:, 1:2]) / BLUR_PX)
-        on_wall = past_edge - past_wall
-        share = 1 - past_edge + parameters[:, 2:] * on_wall  # (8, T) of the roof's colour
-        rest = self.profiles - share[..., None] * self.roof[:, None]
-        power = np.maximum((self.weights * past_wall**2).sum(axis=1), 1e-9)
-        background = ((self.weights * past_wall)[:, None] @ rest)[:, 0] / power[:, None]
-        residuals = rest - past_wall[..., None] * background[:, None]
-        return np.stack([edge_slope, wall_slope, on_wall, past_wall], axis=1), background, residuals

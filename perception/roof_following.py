@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from contracts import BoolArray, FloatArray, ImageArray
-from perception.edge_profile import SHADE, WALL_STARTS_PX
 from perception.profile_fit import LinearModel, ProfileFit, fit_profiles
 from perception.roof import Roof
 from perception.roof_window import RoofPose, WindowPlan
@@ -51,10 +50,7 @@ class _Reference:
 
 def start_following(image: ImageArray, quad_px: FloatArray) -> FollowedRoof | None:
     """From a roof (4, 2) that a detector measured, first side long; None where it cannot be followed, as when cut."""
-    pose = RoofPose.of(np.asarray(quad_px, np.float64))
-    begun = [_fitted(image, pose, np.full(4, wall_px), np.full(4, SHADE)) for wall_px in WALL_STARTS_PX if wall_px]
-    told = [roof for roof in begun if roof is not None]
-    return min(told, key=lambda roof: float(roof._reference.fit.costs.sum()), default=None)
+    return _fitted(image, RoofPose.of(np.asarray(quad_px, np.float64)), None)
 
 
 def follow_roof(image: ImageArray, last: FollowedRoof, pose: RoofPose) -> FollowedRoof | None:
@@ -87,7 +83,7 @@ def follow_roof(image: ImageArray, last: FollowedRoof, pose: RoofPose) -> Follow
 
 def _refitted(image: ImageArray, pose: RoofPose, last: ProfileFit) -> FollowedRoof | None:
     """The roof by a fit of the whole model, started from the ``last`` one; it must still have the same colour."""
-    roof = _fitted(image, pose, last.walls_px, last.shades)
+    roof = _fitted(image, pose, last.walls_px)
     if roof is None:
         return None
     known, now = (colour.mean(axis=0) for colour in (last.roof, roof._reference.fit.roof))
@@ -95,13 +91,13 @@ def _refitted(image: ImageArray, pose: RoofPose, last: ProfileFit) -> FollowedRo
     return roof if departure <= SAME_COLOUR else None
 
 
-def _fitted(image: ImageArray, pose: RoofPose, walls_px: FloatArray, shades: FloatArray) -> FollowedRoof | None:
+def _fitted(image: ImageArray, pose: RoofPose, walls_px: FloatArray | None) -> FollowedRoof | None:
     for _ in range(LOOKS):
         if not pose.inside(image):
             return None
         plan = WindowPlan.of(pose.size_px)
         profiles = plan.profiles(image, pose).astype(np.float64)
-        fit = fit_profiles(profiles, plan, walls_px, shades)
+        fit = fit_profiles(profiles, plan, walls_px)
         e0, e1, e2, e3 = fit.edges_px.tolist()
         offset, growth = np.array([e1 - e3, e2 - e0]) / 2, np.array([e1 + e3, e0 + e2])
         pose = pose.moved(offset, fit.turn_rad).resized(growth)

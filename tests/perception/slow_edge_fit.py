@@ -37,7 +37,9 @@ def slow_fit_edges(profiles: FloatArray, t_px: FloatArray) -> EdgeFits:
     parameters, costs = parameters.reshape(starts, -1, 6), costs.reshape(starts, -1)
     best = 1 + np.argmin(costs[1:], axis=0)  # (S,)
     pick = np.stack([np.zeros_like(best), best]), np.arange(len(profiles))
-    return EdgeFits(parameters[pick][..., 0], parameters[pick][..., 1], costs[pick])
+    edges, walls, shades = np.moveaxis(parameters[pick][..., :3], -1, 0)
+    roofs = profiles[:, t_px <= ROOF_T_PX].mean(axis=1)
+    return EdgeFits(edges, walls, shades, costs[pick], roofs, parameters[pick][..., 3:])
 
 
 def _fit(profiles: FloatArray, t_px: FloatArray, wall_start_px: FloatArray) -> tuple[FloatArray, FloatArray]:

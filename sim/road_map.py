@@ -166,7 +166,8 @@ def _crosswalks(network: RoadNetwork) -> Iterator[PaintedArea]:
 
 def _kerb_at_end(road: RoadEdge, height_m: float = 0.0) -> FloatArray:
     lane = _driven(road)[0]
-    return at_end(lane.shape_m, -lane.width_m / 2 - LAMP_BESIDE_M) + np.array([0.0, 0.0, height_m])
+    foot = at_end(lane.shape_m, -lane.width_m / 2 - LAMP_BESIDE_M)
+    return np.array([foot[0], foot[1], foot[2] + height_m])
 
 
 def _signals(network: RoadNetwork) -> Iterator[Signal]:

@@ -228,6 +228,7 @@ def learn(
 @tables.command("rail")
 def tables_rail(
     scenarios: Annotated[list[str] | None, typer.Argument(help="Names or TOML files.", metavar="SCENARIO...")] = None,
+    split: Annotated[str | None, typer.Option(help="All so marked: test (if none is named) or train.")] = None,
     frames: Annotated[int | None, typer.Option(help="Film at most so many frames of each camera.")] = None,
     out: Annotated[Path, typer.Option(help="Directory of the page and the scores.")] = Path("runs/tables-rail"),
     json: Annotated[bool, typer.Option("--json", help="Print the scores as JSON and nothing else.")] = False,
@@ -235,10 +236,9 @@ def tables_rail(
     """Remake the rail paper's tables and figures, each figure beside the paper's."""
     from bench.scores import to_json
     from bench.tables.page import print_parts
-    from bench.tables.rail import evaluate, write_tables
-    from scenarios.loader import load_scenario
+    from bench.tables.rail import evaluate, sequences, write_tables
 
-    parts = write_tables(evaluate([load_scenario(name) for name in scenarios or ()], frames=frames, quiet=json), out)
+    parts = write_tables(evaluate(sequences(scenarios or (), split), frames=frames, quiet=json), out)
     if json:
         print(to_json([score for part in parts for score in part.scores]))
     else:

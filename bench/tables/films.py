@@ -5,7 +5,6 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from itertools import islice
 
 import cv2
 import numpy as np
@@ -39,7 +38,8 @@ class Film:
 class Watched:
     """What one perceiver made of one film.
 
-    sequence, light: of the scenario. method: how the perceiver is called.
+    sequence: of the scenario. light: all its lights, in order. method: how the perceiver is called.
+    lights: by the frame's index, which light shone; two while one fades into the other.
     recording: as of a run of its own, without instance masks.
     seconds: by camera, (T,) processor time of each frame, from image to tracks.
     """
@@ -47,6 +47,7 @@ class Watched:
     sequence: str
     light: str
     method: str
+    lights: dict[int, str]
     recording: Recording
     seconds: dict[str, FloatArray]
 
@@ -56,11 +57,13 @@ def film(scenario: Scenario, *, frames: int | None = None, stages: Stages | None
 
     stages: says how the cameras are calibrated; from what they see, if not given.
     """
+    if frames is not None and frames < scenario.frame_count:
+        scenario = replace(scenario, duration_s=frames / scenario.fps)
     world = build_world(scenario, workers=os.cpu_count() or 1)
     stages = stages or Stages()
     filmed = world.steps()
     lenses = board_lenses(world, stages)
-    steps = tuple(islice(filmed, frames))
+    steps = tuple(filmed)
     calibrated = calibrated_cameras(world, lenses, steps[0].frames)
     return Film(scenario, manifest_of(scenario, world, stages, calibrated), steps)
 
@@ -93,8 +96,9 @@ def watch(shown: Film, method: str, make_perceiver: Callable[[Camera], Perceiver
             recorded.append(RecordedStep(index, fused.time_ns, without_masks(step.truth), seen, views, fused, ()))
     return Watched(
         shown.scenario.name,
-        str(shown.scenario.light),
+        " → ".join([shown.scenario.light, *(change.to for change in shown.scenario.light_change)]),
         method,
+        {step.frames[0].index: light_name(shown.scenario, step.frames[0].time_ns) for step in shown.steps},
         Recording(shown.manifest, tuple(recorded)),
         {name: np.array(times) for name, times in seconds.items()},
     )
@@ -109,6 +113,19 @@ def one_thread() -> Iterator[None]:
         yield
     finally:
         cv2.setNumThreads(before)
+
+
+def light_name(scenario: Scenario, time_ns: int) -> str:
+    """The light that shines at a moment, ``"sunny to cloudy"`` while one fades into the other."""
+    name = str(scenario.light)
+    for change in scenario.light_change:
+        since_s = time_ns * 1e-9 - change.at_s
+        if since_s < 0:
+            break
+        if since_s < change.over_s:
+            return f"{name} to {change.to}"
+        name = str(change.to)
+    return name
 
 
 def without_masks(truth: Truth | None) -> Truth | None:

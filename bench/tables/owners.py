@@ -1,15 +1,17 @@
 """Which stage and which light owns the rest of the ground error."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bench.matching import gate_m
 from bench.report.charts import Figure, axis, layout
 from bench.scores import Score
-from bench.scoring.anchors import sightings
+from bench.scoring.anchors import Sightings, sightings
 from bench.scoring.ground import known_rows, rms
-from bench.scoring.population import camera_names, camera_population, fused_population
+from bench.scoring.population import Hits, camera_names, camera_population, fused_population
 from bench.scoring.stages import StageErrors, split
 from bench.tables.films import Watched
 from bench.tables.part import Grid, Part, number
@@ -19,42 +21,63 @@ STAGES = {"anchor": "#1b6ca8", "calibration": "#c8752b", "location": "#5b6470"}
 HEAD = ("light", "positions", "fused x, mm", "fused y, mm", "p95, mm", "anchor", "calibration", "location", "owner")
 
 
+@dataclass(frozen=True, eq=False)
+class Owned:
+    """Errors with the light that shone: of N fused positions, (N, 2), and of K positions of single cameras by stage."""
+
+    fused_m: FloatArray
+    fused_lights: NDArray[np.str_]
+    stages: StageErrors
+    stage_lights: NDArray[np.str_]
+
+    def under(self, light: str) -> "Owned":
+        """Those that were made under one light."""
+        fused, stages = self.fused_lights == light, self.stage_lights == light
+        parts = StageErrors(*(getattr(self.stages, f"{name}_m")[stages] for name in STAGES))
+        return Owned(self.fused_m[fused], self.fused_lights[fused], parts, self.stage_lights[stages])
+
+
 def owners(watched: Sequence[Watched]) -> Part:
     """One row per light, and one over all, of one method."""
-    lights = list(dict.fromkeys(one.light for one in watched))
-    groups = [(light, [one for one in watched if one.light == light]) for light in lights]
+    everything = owned(watched)
+    lights = list(dict.fromkeys(light for one in watched for light in one.lights.values()))
+    groups = {light: everything.under(light) for light in lights}
     if len(lights) != 1:
-        groups.append(("all", list(watched)))
-    parts = {light: (_fused(group), stage_errors(group)) for light, group in groups}
-    scores = [score for light, (fused, stages) in parts.items() for score in _scores(light, fused, stages)]
-    rows = tuple(_row(light, fused, stages) for light, (fused, stages) in parts.items())
+        groups["all"] = everything
+    scores = [score for light, group in groups.items() for score in _scores(light, group)]
+    rows = tuple(_row(light, group) for light, group in groups.items())
     says = (
         "Fused: root mean square of the position errors per axis. Stages: root mean square, over both axes "
         "together, of the parts into which the error of each single camera falls; they add up vector by vector. The "
         "owner is the largest of them."
     )
-    chart = _bars({light: stages for light, (_, stages) in parts.items()})
+    chart = _bars({light: group.stages for light, group in groups.items()})
     return Part("owners", "Who owns the rest", says, (Grid(HEAD, rows),), (chart,), tuple(scores))
 
 
-def stage_errors(watched: Sequence[Watched]) -> StageErrors:
-    """The stages' parts of the errors of all cameras of all sequences."""
-    parts = [_split(one) for one in watched]
-    return StageErrors(*(np.concatenate([np.empty((0, 2)), *(getattr(p, f"{s}_m") for p in parts)]) for s in STAGES))
+def owned(watched: Sequence[Watched]) -> Owned:
+    """The errors of all positions of all sequences."""
+    fused = [(one, fused_population(one.recording, gate_m(one.recording.manifest.world)).hits) for one in watched]
+    seen = [(one, _sightings(one)) for one in watched]
+    parts = [split(one.recording, sighted) for one, sighted in seen]
+    return Owned(
+        np.concatenate([np.empty((0, 2)), *(hits.errors_m for _, hits in fused)]),
+        _lights((one, hits) for one, hits in fused),
+        StageErrors(
+            *(np.concatenate([np.empty((0, 2)), *(getattr(p, f"{name}_m") for p in parts)]) for name in STAGES)
+        ),
+        _lights((one, sighting.hits) for one, sighted in seen for _, sighting in sighted),
+    )
 
 
-def _split(one: Watched) -> StageErrors:
+def _sightings(one: Watched) -> list[tuple[str, Sightings]]:
     gate = gate_m(one.recording.manifest.world)
-    seen = [
-        (name, sightings(one.recording, camera_population(one.recording, name, gate)))
-        for name in camera_names(one.recording)
-    ]
-    return split(one.recording, seen)
+    names = camera_names(one.recording)
+    return [(name, sightings(one.recording, camera_population(one.recording, name, gate))) for name in names]
 
 
-def _fused(watched: Sequence[Watched]) -> FloatArray:
-    errors = [fused_population(one.recording, gate_m(one.recording.manifest.world)).hits.errors_m for one in watched]
-    return np.concatenate([np.empty((0, 2)), *errors])
+def _lights(hits: Iterable[tuple[Watched, Hits]]) -> NDArray[np.str_]:
+    return np.array([one.lights[index] for one, some in hits for index in some.index.tolist()], np.str_)
 
 
 def _parts(stages: StageErrors) -> dict[str, float]:
@@ -62,20 +85,21 @@ def _parts(stages: StageErrors) -> dict[str, float]:
     return {name: rms(known_rows(getattr(stages, f"{name}_m")).ravel()) for name in STAGES}
 
 
-def _scores(light: str, fused: FloatArray, stages: StageErrors) -> list[Score]:
+def _scores(light: str, group: Owned) -> list[Score]:
+    fused = group.fused_m
     return [
-        *(Score.of(f"owners.{light}.rms_{axis_}_m", rms(fused[:, k]), "m", len(fused)) for k, axis_ in enumerate("xy")),
+        *(Score.of(f"owners.{light}.rms_{name}_m", rms(fused[:, k]), "m", len(fused)) for k, name in enumerate("xy")),
         *(
-            Score.of(f"owners.{light}.{name}_rms_m", value, "m", len(known_rows(getattr(stages, f"{name}_m"))))
-            for name, value in _parts(stages).items()
+            Score.of(f"owners.{light}.{name}_rms_m", value, "m", len(known_rows(getattr(group.stages, f"{name}_m"))))
+            for name, value in _parts(group.stages).items()
         ),
     ]
 
 
-def _row(light: str, fused: FloatArray, stages: StageErrors) -> tuple[str, ...]:
-    parts = _parts(stages)
-    distances_m = np.linalg.norm(fused, axis=1)
+def _row(light: str, group: Owned) -> tuple[str, ...]:
+    fused, parts = group.fused_m, _parts(group.stages)
     known = {name: value for name, value in parts.items() if np.isfinite(value)}
+    distances_m = np.linalg.norm(fused, axis=1)
     return (
         light,
         str(len(fused)),

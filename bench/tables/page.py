@@ -11,10 +11,14 @@ from bench.report.charts import Figure
 from bench.report.document import chart, document, section
 from bench.tables.part import Grid, Part
 
+LEAST_WIDTH = 120  # columns, where nobody says how many there are
+
 
 def print_parts(parts: Sequence[Part], console: Console | None = None) -> None:
     """Every part's title, explanation and tables."""
     console = console or Console()
+    if not console.is_terminal:
+        console.width = max(console.width, LEAST_WIDTH)
     for part in (part for part in parts if part.grids):
         console.print(f"\n[bold]{part.title}[/bold]")
         console.print(part.says, style="dim", highlight=False, markup=False)

@@ -26,6 +26,7 @@ from bench.tables.table1 import table1
 from bench.tables.table3 import table3
 from bench.wiring import TABLE_DETECTORS, TABLE_REGIONS, TABLE_TRACKERS, Stages
 from contracts import InputError
+from scenarios.loader import list_scenarios, load_scenario
 from scenarios.schema import Scenario
 
 TITLE = "Paper R's tables, remade"
@@ -86,6 +87,23 @@ def _detectors(stages: Stages, shown: Film) -> dict[str, OutlineDetector]:
     return detectors
 
 
+def sequences(names: Sequence[str], split: str | None = None) -> list[Scenario]:
+    """The scenarios of these names, or, where none is given, all of the library that are marked with ``split``.
+
+    split: ``"test"`` where neither names nor a split are given.
+    Raises InputError if both are given, or if no scenario has that mark.
+    """
+    if names and split:
+        raise InputError(f"--split {split} chooses scenarios by itself: name none beside it")
+    if names:
+        return [load_scenario(name) for name in names]
+    wanted = split or "test"
+    chosen = [scenario for scenario in map(load_scenario, list_scenarios()) if scenario.split == wanted]
+    if not chosen:
+        raise InputError(f'no scenario of the library has split = "{wanted}"')
+    return chosen
+
+
 def evaluate(scenarios: Sequence[Scenario], *, frames: int | None = None, quiet: bool = False) -> Evaluation:
     """Film every scenario, at most ``frames`` frames of each camera if given, and show it to all methods.
 
@@ -118,9 +136,10 @@ def facts(evaluation: Evaluation) -> Sequence[str]:
     *_, own = evaluation.trackers.values()
     moments = sum(len(one.recording.steps) for one in own)
     images = sum(len(times) for one in own for times in one.seconds.values())
+    lights = dict.fromkeys(light for one in own for light in one.lights.values())
     return (
         f"{len(evaluation.manifests)} sequences",
         f"{moments} moments",
         f"{images} frames",
-        f"lights: {', '.join(dict.fromkeys(one.light for one in own))}",
+        f"lights: {', '.join(lights)}",
     )

@@ -16,13 +16,13 @@ from bench.scoring.rays import to_pixels
 from bench.tables.centres import cases, quad_overlap, together
 from bench.tables.figure19 import all_cameras_fps, figure19, one_camera_fps
 from bench.tables.figure21 import figure21
-from bench.tables.films import Watched, film, frames_per_second, watch
+from bench.tables.films import Watched, film, frames_per_second, light_name, watch
 from bench.tables.outlines import Outlines, intersection_over_union, outlines, overlap
 from bench.tables.owners import owners
 from bench.tables.page import print_parts, tables_page
 from bench.tables.part import number
 from bench.tables.precision import precision
-from bench.tables.rail import Evaluation, evaluate, write_tables
+from bench.tables.rail import Evaluation, evaluate, sequences, write_tables
 from bench.tables.region import region
 from bench.tables.table1 import WORLD_FROM_PAPER, in_paper_axes, table1
 from bench.tables.table3 import table3
@@ -31,6 +31,8 @@ from contracts import InputError, Tracks
 from georef.calibrated import CalibratedCamera
 from perception.silhouette import Silhouette
 from scenarios.loader import load_scenario
+from sim.light_program import LightChange
+from sim.lights import LightPreset
 from tests.bench.filmless import filmless_run, overhead_camera
 
 STEPS = 6
@@ -55,6 +57,7 @@ def watched(run=None, method="hybrid", light="sunny", seconds=(0.01, 0.03)):
         "painted",
         light,
         method,
+        dict.fromkeys(range(STEPS), light),
         run or recording(),
         {name: np.full(STEPS, each) for name, each in zip(("west", "east"), seconds, strict=True)},
     )
@@ -245,6 +248,36 @@ def test_the_terminal_shows_every_table():
 def test_a_page_needs_no_chart():
     assert "<h2>Title</h2>" in tables_page("Title", ["a fact"], [])
     assert precision({"none": []}).grids[0].rows[0][1] == "—"
+
+
+def test_a_light_that_fades_has_the_names_of_both():
+    scenario = replace(
+        load_scenario("oval-two-vehicles"),
+        light_change=(LightChange(2.0, LightPreset.DUSK, 1.0), LightChange(5.0, LightPreset.LAMPS)),
+    )
+    names = [light_name(scenario, round(1e9 * t)) for t in (0.0, 1.99, 2.5, 3.0, 4.99, 5.0)]
+    assert names == ["sunny", "sunny", "sunny to dusk", "dusk", "dusk", "lamps"]
+
+
+def test_errors_go_to_the_light_of_their_moment():
+    def later(tracks, ground):
+        return moved(0.004 if ground.time_ns >= 3 * 40_000_000 else 0.0, 0.0)(tracks, ground)
+
+    one = replace(watched(recording(later)), lights={k: "dusk" if k < 3 else "lamps" for k in range(STEPS)})
+    scores = by_name(owners([one]))
+    assert abs(scores["owners.dusk.rms_x_m"]) < 1e-12
+    assert abs(scores["owners.lamps.rms_x_m"] - 0.004) < 1e-12
+    assert abs(scores["owners.all.rms_x_m"] - 0.004 / np.sqrt(2)) < 1e-12
+
+
+def test_sequences_are_chosen_by_name_or_by_their_split():
+    assert [one.name for one in sequences(["oval-two-vehicles"])] == ["oval-two-vehicles"]
+    assert {one.split for one in sequences([])} == {"test"}
+    assert {one.split for one in sequences([], "train")} == {"train"}
+    with pytest.raises(InputError, match="name none beside it"):
+        sequences(["oval-two-vehicles"], "test")
+    with pytest.raises(InputError, match='split = "tets"'):
+        sequences([], "tets")
 
 
 def test_wrong_input_is_refused(tmp_path):

@@ -77,6 +77,7 @@ def run(
     ] = None,
     model: Annotated[Path | None, typer.Option(help="Colour models from gantry learn.")] = None,
     locator: Annotated[str, typer.Option(help="ray, or plane0 for the naive projection to z = 0.")] = "ray",
+    analyst: Annotated[str | None, typer.Option(help="Your own: my_pkg.mod:Mine.")] = None,
     oracle: Annotated[list[str] | None, typer.Option(help="Give a stage the truth: detect, calibrate, locate.")] = None,
     renderer: Annotated[str, typer.Option(help="layered, or full: slow, its oracle.")] = "layered",
     seed: Annotated[int | None, typer.Option(help="Instead of the scenario's own.")] = None,
@@ -103,6 +104,7 @@ def run(
         perceiver=perceiver,
         model=model or SHIPPED,
         locator=locator,
+        analyst=analyst,
         oracles=tuple(oracle or ()),
         renderer=renderer,
     )

@@ -8,8 +8,8 @@ from bench.ledger import state_hash, value_hash
 from bench.recording import Manifest, RecordedStep, Recording
 from contracts.ground import FUSED
 
-STAGES = ("state", "view", "image", "tracks", "ground")
-"""In the order of the flow: the world, what a camera sees of it by the truth, the image, the tracks, the ground."""
+STAGES = ("state", "view", "image", "tracks", "ground", "motion")
+"""In the order of the flow: world, what a camera sees of it by the truth, image, tracks, ground tracks, motion."""
 
 
 @dataclass(frozen=True)
@@ -77,3 +77,4 @@ def _hashes(step: RecordedStep) -> Iterator[tuple[tuple[str, str], str]]:
         yield ("tracks", tracks.objects.camera), value_hash(tracks)
     for ground in (*step.views, step.fused):
         yield ("ground", "" if ground.source == FUSED else ground.source), value_hash(ground)
+    yield ("motion", ""), value_hash(step.motions)

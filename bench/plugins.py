@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from contracts import Detector, Fuser, GantryError, InputError, Locator, Perceiver, Tracker
+from contracts import Analyst, Detector, Fuser, GantryError, InputError, Locator, Perceiver, Tracker
 
 GROUPS: dict[type, str] = {
     Detector: "gantry.detectors",
@@ -17,6 +17,7 @@ GROUPS: dict[type, str] = {
     Perceiver: "gantry.perceivers",
     Locator: "gantry.locators",
     Fuser: "gantry.fusers",
+    Analyst: "gantry.analysts",
 }
 """Entry-point group in which packages announce implementations of each protocol."""
 

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from contracts import Camera, GroundTracks, Survey, Tracks
+from contracts import Camera, GroundTracks, Motions, Survey, Tracks
 from contracts.truth import Truth
 from georef.calibrated import CalibratedCamera
 
@@ -58,7 +58,10 @@ class LedgerEntry:
 
 @dataclass(frozen=True, eq=False)
 class RecordedStep:
-    """All that is known of one moment. ``truth`` is None for real footage; one entry per camera in the other tuples."""
+    """All that is known of one moment. ``truth`` is None for real footage; the tuples have one entry per camera.
+
+    motions: of the fused objects, row for row.
+    """
 
     index: int
     time_ns: int
@@ -66,6 +69,7 @@ class RecordedStep:
     tracks: tuple[Tracks, ...]
     views: tuple[GroundTracks, ...]
     fused: GroundTracks
+    motions: Motions
     ledger: tuple[LedgerEntry, ...]
 
 

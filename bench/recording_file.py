@@ -1,7 +1,8 @@
 """A run on disk: ``run.mcap``, JSON messages that MCAP viewers such as Foxglove read as they are.
 
 Topics: ``/manifest`` once; per step ``/truth``, ``/frames/CAMERA`` (PNG, on request), ``/tracks/CAMERA``,
-``/ground/CAMERA``, ``/ledger/CAMERA`` and last ``/ground/fused``, which ends the step. Instance masks are not kept.
+``/ground/CAMERA``, ``/ledger/CAMERA``, ``/motion`` and last ``/ground/fused``, which ends the step.
+Instance masks are not kept.
 """
 
 import base64
@@ -17,7 +18,7 @@ import numpy as np
 from bench.codec import decode, encode, json_schema
 from bench.messages import Message, MessageReader, MessageWriter
 from bench.recording import LedgerEntry, Manifest, RecordedStep, Recording
-from contracts import Frame, GroundTracks, InputError, Tracks
+from contracts import Frame, GroundTracks, InputError, Motions, Tracks
 from contracts.ground import FUSED
 from contracts.truth import Truth
 
@@ -43,6 +44,7 @@ _TOPICS: dict[type, str] = {
     Tracks: "/tracks",
     GroundTracks: "/ground",
     LedgerEntry: "/ledger",
+    Motions: "/motion",
 }
 _SCHEMAS = {kind: json_schema(kind) | {"title": f"gantry.{kind.__name__}"} for kind in _TOPICS}
 _SCHEMAS[CompressedImage]["title"] = "foxglove.CompressedImage"
@@ -89,6 +91,7 @@ class Recorder:
             self._write(step, view, view.source)
         for entry in step.ledger:
             self._write(step, entry, entry.camera)
+        self._write(step, step.motions)
         self._write(step, step.fused, FUSED)
 
     def __exit__(
@@ -184,6 +187,7 @@ class _Parts:
     truth: Truth | None = None
     tracks: list[Tracks] = field(default_factory=list)
     views: list[GroundTracks] = field(default_factory=list)
+    motions: Motions | None = None
     ledger: list[LedgerEntry] = field(default_factory=list)
 
     def add(self, path: Path, message: Message) -> None:
@@ -194,6 +198,8 @@ class _Parts:
                 self.tracks.append(_decode(path, message, Tracks))
             case "ground":
                 self.views.append(_decode(path, message, GroundTracks))
+            case "motion":
+                self.motions = _decode(path, message, Motions)
             case "ledger":
                 self.ledger.append(_decode(path, message, LedgerEntry))
 
@@ -205,6 +211,7 @@ class _Parts:
             tracks=tuple(self.tracks),
             views=tuple(self.views),
             fused=fused,
+            motions=self.motions or Motions.unknown(fused),  # recordings from before there was an analyst
             ledger=tuple(self.ledger),
         )
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from bench.ledger import ledger_of
 from bench.recording import RecordedStep
 from bench.recording_file import Recorder
-from contracts import GroundTracks, Tracks
+from contracts import GroundTracks, Motions, Tracks
 from contracts.truth import Step
 
 Perception = Callable[[Step], tuple[Tracks, ...]]
@@ -24,11 +24,13 @@ class Chain:
     perceive: the tracks of every camera.
     locate: each camera's tracks on the ground.
     fuse: one row per object over all cameras.
+    analyse: how each of them moves.
     """
 
     perceive: Perception
     locate: Location
     fuse: Callable[[tuple[GroundTracks, ...]], GroundTracks]
+    analyse: Callable[[GroundTracks], Motions]
 
 
 def run(steps: Iterable[Step], chain: Chain, recorder: Recorder) -> None:
@@ -37,5 +39,8 @@ def run(steps: Iterable[Step], chain: Chain, recorder: Recorder) -> None:
         tracks = chain.perceive(step)
         views = chain.locate(step, tracks)
         fused = chain.fuse(views)
+        motions = chain.analyse(fused)
         ledger = ledger_of(step, tracks, views)
-        recorder.write(RecordedStep(index, fused.time_ns, step.truth, tracks, views, fused, ledger), step.frames)
+        recorder.write(
+            RecordedStep(index, fused.time_ns, step.truth, tracks, views, fused, motions, ledger), step.frames
+        )

@@ -8,13 +8,14 @@ from pathlib import Path
 from bench import oracles
 from bench.plugins import load_object
 from bench.run import Chain, Perception
-from contracts import Camera, Detector, Frame, GroundTracks, InputError, Locator, Perceiver, Tracker, Tracks
+from contracts import Analyst, Camera, Detector, Frame, GroundTracks, InputError, Locator, Perceiver, Tracker, Tracks
 from contracts.truth import Step, World
 from georef.calibrate import calibrate_with_lens, lens_of
 from georef.calibrated import CalibratedCamera
 from georef.fusion import CovarianceFuser
 from georef.intrinsics import IntrinsicCalibration
 from georef.location import GroundPlaneLocator, RayPlaneLocator
+from georef.motion import WindowAnalyst
 from perception.baselines.colour_mixture import ColourMixture
 from perception.baselines.colour_range import ColourRange
 from perception.baselines.colour_ratio import ColourRatio
@@ -50,6 +51,7 @@ class Stages:
     perceiver: replaces detector and tracker; also one of ``PERCEIVERS``, whose first one serves where nothing is given.
     model: file of colour models for the bench's own detector.
     locator: ``ray`` meets the plane at the anchor's height; ``plane0`` is the naive projection to z = 0.
+    analyst: tells direction and speed.
     oracles: stages that are given the truth.
     renderer: how a simulated world draws its frames: ``layered``, or ``full``, its slow oracle.
     """
@@ -59,6 +61,7 @@ class Stages:
     perceiver: str | None = None
     model: Path = SHIPPED
     locator: str = "ray"
+    analyst: str | None = None
     oracles: tuple[str, ...] = ()
     renderer: str = RendererName.LAYERED
 
@@ -79,9 +82,10 @@ class Stages:
     def names(self) -> dict[str, str]:
         """The implementation of every stage, for the manifest."""
         if not self.needs_film:
-            return {"locator": "oracle"}
+            return {"locator": "oracle", "analyst": self.analyst or "window"}
         calibrator = "oracle" if "calibrate" in self.oracles else "checkerboard and control points"
-        return {**self._eyes(), "calibrator": calibrator, "locator": self.locator, "fuser": "covariance"}
+        places = {"calibrator": calibrator, "locator": self.locator, "fuser": "covariance"}
+        return {**self._eyes(), **places, "analyst": self.analyst or "window"}
 
     def _eyes(self) -> dict[str, str]:
         if "detect" in self.oracles:
@@ -119,6 +123,11 @@ class Stages:
             return DETECTORS[name](ColourModels.load(self.model), camera)
         detector: Detector = load_object(name, Detector)
         return detector
+
+    def make_analyst(self) -> Analyst:
+        """A fresh analyst of the fused tracks."""
+        analyst: Analyst = load_object(self.analyst, Analyst) if self.analyst else WindowAnalyst()
+        return analyst
 
 
 TABLE_DETECTORS = {"CRD": "crd", "CCR": "ccr", "GMM": "gmm", "HBP": "hbp"}
@@ -195,12 +204,12 @@ def calibrated_cameras(
 
 def make_chain(stages: Stages, perceive: Perception, cameras: Sequence[CalibratedCamera]) -> Chain:
     """The chain of a run over ``cameras``."""
-    fuse = CovarianceFuser().fuse
+    fuse, analyse = CovarianceFuser().fuse, stages.make_analyst().analyse
     if not stages.needs_film:
-        return Chain(perceive=perceive, locate=oracles.locate, fuse=fuse)
+        return Chain(perceive=perceive, locate=oracles.locate, fuse=fuse, analyse=analyse)
     locator: Locator = LOCATORS[stages.locator]({calibrated.camera.name: calibrated for calibrated in cameras})
 
     def locate(_: Step, tracks: tuple[Tracks, ...]) -> tuple[GroundTracks, ...]:
         return tuple(locator.locate(each) for each in tracks)
 
-    return Chain(perceive=perceive, locate=locate, fuse=fuse)
+    return Chain(perceive=perceive, locate=locate, fuse=fuse, analyse=analyse)

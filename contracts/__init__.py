@@ -10,16 +10,19 @@ from contracts.errors import CalibrationError, GantryError, InputError
 from contracts.events import Event, EventKind
 from contracts.frame import Frame
 from contracts.ground import GroundTracks
-from contracts.stages import Detector, Fuser, Locator, Perceiver, Tracker
+from contracts.motion import Compass, Motions, MotionState
+from contracts.stages import Analyst, Detector, Fuser, Locator, Perceiver, Tracker
 from contracts.survey import Checkerboard, Survey
 from contracts.switches import SwitchState
 from contracts.tracks import Detections, Tracks
 
 __all__ = [
+    "Analyst",
     "BoolArray",
     "CalibrationError",
     "Camera",
     "Checkerboard",
+    "Compass",
     "Detections",
     "Detector",
     "Event",
@@ -34,6 +37,8 @@ __all__ = [
     "IntArray",
     "Intrinsics",
     "Locator",
+    "MotionState",
+    "Motions",
     "Perceiver",
     "Pose",
     "Survey",

@@ -8,6 +8,7 @@ from typing import Protocol, runtime_checkable
 
 from contracts.frame import Frame
 from contracts.ground import GroundTracks
+from contracts.motion import Motions
 from contracts.tracks import Detections, Tracks
 
 
@@ -65,4 +66,17 @@ class Fuser(Protocol):
 
     def fuse(self, views: Sequence[GroundTracks]) -> GroundTracks:
         """All objects of that moment, ``source == "fused"``."""
+        ...
+
+
+@runtime_checkable
+class Analyst(Protocol):
+    """Tells how the objects move, from where they are moment by moment."""
+
+    def analyse(self, ground: GroundTracks) -> Motions:
+        """Motion of the objects of one moment, row for row; moments come in the order of time."""
+        ...
+
+    def reset(self) -> None:
+        """Forget all moments seen so far."""
         ...

@@ -1,21 +1,9 @@
 """How a switch shows its state: the white spot on its notch, and paper R's table 2 that reads it."""
 
-from enum import StrEnum
-from math import cos, sin
-
-from contracts import SwitchState
+from contracts import Compass, SwitchState
+from contracts.motion import compass
 from rail.curves import Pose2
 from rail.plant import Side, Switch
-
-
-class Compass(StrEnum):
-    """A vehicle's direction of travel, as paper R tells it."""
-
-    NORTH = "north"
-    SOUTH = "south"
-    WEST = "west"
-    EAST = "east"
-
 
 # Paper R, table 2: the branch (left or right, as seen from a vehicle under way in that direction, along the switch in
 # either sense) on which the switch lies, for switch flag 0 (spot hidden) and 1 (spot visible).
@@ -29,14 +17,6 @@ TABLE_2: dict[tuple[Compass, bool], Side] = {
     (Compass.EAST, False): Side.LEFT,
     (Compass.EAST, True): Side.RIGHT,
 }
-
-
-def compass(heading_rad: float) -> Compass:
-    """The nearest of the four directions; opposite headings give opposite directions."""
-    east, north = cos(heading_rad), sin(heading_rad)
-    if abs(east) >= abs(north):
-        return Compass.EAST if east > 0 else Compass.WEST
-    return Compass.NORTH if north > 0 else Compass.SOUTH
 
 
 def spot_state(toe: Pose2, diverging_side: Side) -> SwitchState:

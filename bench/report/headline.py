@@ -25,6 +25,11 @@ FIGURES = (
     Figure("False alarms", ("detection.false_alarms",)),
     Figure("Right labels", ("label.accuracy",)),
     Figure("Identity switches", ("track.id_switches",)),
+    Figure("Right direction", ("direction.correct",)),
+    Figure("Said to stand, of standing", ("direction.standing_correct",)),
+    Figure("False changes of direction", ("direction.flips",)),
+    Figure("Heading error, RMS", ("direction.heading_rms_rad",)),
+    Figure("Speed error, RMS", ("speed.rms_mps",)),
     _axes("Ground error, RMS east, north", "ground"),
     _axes("Ground error, mean east, north", "ground", "mean"),
     Figure("Ground error, 95 % below", ("ground.p95_m",)),
@@ -35,13 +40,15 @@ FIGURES = (
     _axes("Had all lain at z = 0", "ground_z0"),
 )
 
+_THOUSANDTHS = {"m": "mm", "m/s": "mm/s", "rad": "mrad"}
+
 
 def people_read(score: Score | None) -> str:
-    """Value and unit for people: lengths below a metre in millimetres, ratios in per cent; an em dash without value."""
+    """Value and unit for people: below one in thousandths, ratios in per cent; an em dash without value."""
     if score is None or score.value is None:
         return "—"
-    if score.unit == "m" and abs(score.value) < 1:
-        return f"{1000 * score.value:z.2f} mm"
+    if score.unit in _THOUSANDTHS and abs(score.value) < 1:
+        return f"{1000 * score.value:z.2f} {_THOUSANDTHS[score.unit]}"
     if score.unit == "1":
         return f"{100 * score.value:.4g} %"
     if score.unit == "px":

@@ -60,7 +60,7 @@ def cameras(manifest: Manifest, scores: Mapping[str, Score]) -> str:
     """How far each calibrated camera is from the true one."""
     names = [one.camera.name for one in manifest.calibrated_cameras]
     rows = [
-        [name, *(_camera_error(scores.get(f"calibration.{name}.{key}")) for key in _CAMERA_ERRORS.values())]
+        [name, *(people_read(scores.get(f"calibration.{name}.{key}")) for key in _CAMERA_ERRORS.values())]
         for name in names
     ]
     return table(["camera", *_CAMERA_ERRORS], rows) if rows else ""
@@ -83,9 +83,3 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 def _scores_table(scores: Sequence[Score]) -> str:
     rows = [[score.name, value_text(score), unit_text(score), str(score.n)] for score in scores]
     return table(["score", "value", "unit", "n"], rows)
-
-
-def _camera_error(score: Score | None) -> str:
-    if score is None or score.value is None or score.unit != "rad":
-        return people_read(score)
-    return f"{1000 * score.value:.2f} mrad"

@@ -13,6 +13,7 @@ from bench.scoring.calibration import calibration_scores
 from bench.scoring.contacts import contact_scores
 from bench.scoring.continuity import track_scores
 from bench.scoring.detection import detection_scores, label_scores
+from bench.scoring.direction import direction_scores
 from bench.scoring.ground import consistency_scores, error_scores
 from bench.scoring.latency import latency_scores
 from bench.scoring.naive import ground_plane_errors
@@ -42,6 +43,7 @@ def score(recording: Recording, *, gate_m: float | None = None) -> tuple[Score, 
         *anchor_scores("anchor", np.concatenate([np.empty((0, 2)), *(one.errors_px for _, one in seen)])),
         *track_scores("track", fused, gate),
         *latency_scores("track", cameras, recording.manifest.true_cameras),
+        *direction_scores(recording, gate),
         *contact_scores(recording),
         *(
             one

@@ -9,7 +9,7 @@ from bench.ledger import ledger_of
 from bench.recording import Manifest, RecordedStep, Recording
 from bench.recording_file import Recorder
 from bench.roofs import roof_quads_px
-from contracts import Camera, Detections, Frame, GroundTracks, Intrinsics, Pose, Tracks
+from contracts import Camera, Detections, Frame, GroundTracks, Intrinsics, Motions, Pose, Tracks
 from contracts.truth import CameraTruth, Step, Truth
 
 COLOURS_BGR = {"red": (40, 40, 210), "blue": (210, 70, 30)}
@@ -97,7 +97,8 @@ def _moment(truth, cameras):
     tracks = tuple(perfect_tracks(truth, camera) for camera in cameras)
     views = tuple(perfect_ground(truth, camera.name) for camera in cameras)
     ledger = ledger_of(Step(frames, truth), tracks, views)
-    step = RecordedStep(truth.index, truth.time_ns, truth, tracks, views, perfect_ground(truth, "fused"), ledger)
+    fused = perfect_ground(truth, "fused")
+    step = RecordedStep(truth.index, truth.time_ns, truth, tracks, views, fused, Motions.unknown(fused), ledger)
     return step, frames
 
 

@@ -8,12 +8,14 @@ import numpy as np
 from hypothesis import strategies as st
 
 from bench.recording import Manifest, RecordedStep, Recording
-from contracts import Camera, Detections, FloatArray, GroundTracks, Intrinsics, Pose, Tracks
+from contracts import Camera, Detections, FloatArray, GroundTracks, Intrinsics, Motions, MotionState, Pose, Tracks
+from contracts.motion import compass
 from contracts.truth import CameraTruth, Truth
 from georef.calibrated import CalibratedCamera
 
 SIZE_M = np.array([0.12, 0.06, 0.06])
 LOOKING_DOWN = np.diag([1.0, -1.0, -1.0])
+VELOCITY_MPS = np.array([0.25, 0.0])
 COLOURS = ("blue", "red", "green", "yellow", "purple", "orange")
 LENS = np.array([-0.1, 0.05, 0.001, -0.001, 0.0])
 
@@ -75,6 +77,22 @@ def ground_of_truth(source: str, truth: Truth) -> GroundTracks:
     )
 
 
+def motions_of_truth(truth: Truth) -> Motions:
+    """The true velocities; no vehicle stands."""
+    n = len(truth.ids)
+    headings_rad = np.arctan2(truth.velocities_mps[:, 1], truth.velocities_mps[:, 0])
+    return Motions(
+        time_ns=truth.time_ns,
+        ids=np.arange(n) + 1,
+        labels=truth.labels,
+        velocities_mps=truth.velocities_mps,
+        velocity_covs_m2ps2=np.tile(np.eye(2) * 1e-4, (n, 1, 1)),
+        states=(MotionState.MOVING,) * n,
+        directions=tuple(compass(heading_rad) for heading_rad in headings_rad.tolist()),
+        valid=np.ones(n, dtype=bool),
+    )
+
+
 def perfect_step(index: int, positions_m: FloatArray, cameras: tuple[Camera, ...]) -> RecordedStep:
     n = len(positions_m)
     time_ns = index * 40_000_000
@@ -87,7 +105,7 @@ def perfect_step(index: int, positions_m: FloatArray, cameras: tuple[Camera, ...
         positions_m=positions_m,
         headings_rad=np.zeros(n),
         sizes_m=np.tile(SIZE_M, (n, 1)),
-        velocities_mps=np.zeros((n, 2)),
+        velocities_mps=np.tile(VELOCITY_MPS, (n, 1)),
         cameras=views,
     )
     return RecordedStep(
@@ -97,6 +115,7 @@ def perfect_step(index: int, positions_m: FloatArray, cameras: tuple[Camera, ...
         tracks=tuple(tracks_of_truth(view, truth.labels) for view in views),
         views=tuple(ground_of_truth(view.camera, truth) for view in views),
         fused=ground_of_truth("fused", truth),
+        motions=motions_of_truth(truth),
         ledger=(),
     )
 

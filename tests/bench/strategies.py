@@ -9,12 +9,15 @@ from bench.recording import Manifest, RecordedStep, Recording
 from contracts import (
     Camera,
     Checkerboard,
+    Compass,
     Detections,
     Event,
     EventKind,
     Frame,
     GroundTracks,
     Intrinsics,
+    Motions,
+    MotionState,
     Pose,
     Survey,
     SwitchState,
@@ -77,6 +80,23 @@ def ground_tracks(draw, source="west", time_ns=0):
         labels=tuple(draw(st.lists(WORDS, min_size=n, max_size=n))),
         positions_m=draw(arrays((n, 2), OR_NAN)),
         covs_m2=draw(arrays((n, 2, 2), OR_NAN)),
+        valid=draw(hnp.arrays(np.bool_, n)),
+    )
+
+
+@st.composite
+def motions(draw, ground):
+    n = len(ground)
+    directions = tuple(draw(st.lists(st.none() | st.sampled_from(Compass), min_size=n, max_size=n)))
+    at_rest = st.sampled_from([MotionState.UNKNOWN, MotionState.STANDING])
+    return Motions(
+        ground.time_ns,
+        ground.ids,
+        ground.labels,
+        velocities_mps=draw(arrays((n, 2), OR_NAN)),
+        velocity_covs_m2ps2=draw(arrays((n, 2, 2), OR_NAN)),
+        states=tuple(MotionState.MOVING if direction else draw(at_rest) for direction in directions),
+        directions=directions,
         valid=draw(hnp.arrays(np.bool_, n)),
     )
 
@@ -194,8 +214,9 @@ def steps_with_frames(draw, names=("west",), index=0, time_ns=0):
     seen = tuple(draw(tracks(name, index, time_ns)) for name in names)
     views = tuple(draw(ground_tracks(name, time_ns)) for name in names)
     fused = draw(ground_tracks(FUSED, time_ns))
+    moves = draw(motions(fused))
     entries = ledger_of(Step(images, truth), seen, views)
-    return RecordedStep(index, time_ns, truth, seen, views, fused, entries), images
+    return RecordedStep(index, time_ns, truth, seen, views, fused, moves, entries), images
 
 
 @st.composite

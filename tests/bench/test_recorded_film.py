@@ -10,7 +10,7 @@ from bench.ledger import ledger_of, value_hash
 from bench.recording import Manifest, RecordedStep, Recording
 from bench.recording_file import Recorder, load_recording
 from bench.roofs import roof_quads_px
-from contracts import GroundTracks
+from contracts import GroundTracks, Motions
 from scenarios.loader import build_world, load_scenario
 from tests.bench.equality import same
 
@@ -42,7 +42,10 @@ def recorded(filmed):
 
 def _recorded(step):
     nothing = GroundTracks("fused", step.truth.time_ns, [], (), [], [], [])
-    return RecordedStep(step.truth.index, step.truth.time_ns, step.truth, (), (), nothing, ledger_of(step, (), ()))
+    still = Motions.unknown(nothing)
+    return RecordedStep(
+        step.truth.index, step.truth.time_ns, step.truth, (), (), nothing, still, ledger_of(step, (), ())
+    )
 
 
 @pytest.mark.film

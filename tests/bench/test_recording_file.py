@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from bench.ledger import ledger_of
 from bench.recording import Manifest, RecordedStep, Recording
 from bench.recording_file import RECORDING_NAME, Recorder, load_frames, load_recording
-from contracts import Detections, Frame, GroundTracks, InputError, Tracks
+from contracts import Detections, Frame, GroundTracks, InputError, Motions, Tracks
 from contracts.truth import Step
 from tests.bench import strategies
 from tests.bench.equality import same
@@ -41,7 +41,7 @@ def noisy_run(steps):
         view = GroundTracks("west", 10 * k, [], (), [], [], [])
         fused = GroundTracks("fused", 10 * k, [], (), [], [], [])
         ledger = ledger_of(Step(frames, None), tracks, (view,))
-        moments.append((RecordedStep(k, 10 * k, None, tracks, (view,), fused, ledger), frames))
+        moments.append((RecordedStep(k, 10 * k, None, tracks, (view,), fused, Motions.unknown(fused), ledger), frames))
     return Recording(plain_manifest(), tuple(m[0] for m in moments)), tuple(m[1] for m in moments)
 
 
@@ -83,6 +83,7 @@ def test_another_reader_finds_the_topics_in_json(tmp_path):
         "/tracks/west": ("gantry.Tracks", "jsonschema", "json"),
         "/ground/west": ("gantry.GroundTracks", "jsonschema", "json"),
         "/ledger/west": ("gantry.LedgerEntry", "jsonschema", "json"),
+        "/motion": ("gantry.Motions", "jsonschema", "json"),
         "/ground/fused": ("gantry.GroundTracks", "jsonschema", "json"),
     }
 
@@ -116,7 +117,7 @@ def test_a_camera_may_not_bear_the_name_of_all_together(tmp_path):
         pytest.raises(InputError, match="a camera cannot be named 'fused'"),
         Recorder(tmp_path, plain_manifest()) as recorder,
     ):
-        recorder.write(RecordedStep(0, 0, None, (), (fused,), fused, ()))
+        recorder.write(RecordedStep(0, 0, None, (), (fused,), fused, Motions.unknown(fused), ()))
 
 
 def test_a_missing_recording_is_named(tmp_path):

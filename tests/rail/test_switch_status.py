@@ -4,10 +4,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from contracts import SwitchState
+from contracts import Compass, SwitchState
+from contracts.motion import compass
 from rail.curves import Pose2
 from rail.plant import Side
-from rail.switch_status import TABLE_2, Compass, compass, spot_state, spot_visible, status_from_flag
+from rail.switch_status import TABLE_2, spot_state, spot_visible, status_from_flag
 from scenarios.plant_file import load_plant, plant_names
 
 OTHER = {Side.LEFT: Side.RIGHT, Side.RIGHT: Side.LEFT}

@@ -14,21 +14,19 @@ from bench.recording import RecordedStep
 from bench.report.material import ReportedRun, colours
 from bench.report.pictures import data_url, sample_pictures
 from bench.report.tables import table
-from contracts import Camera, ImageArray, InputError, SwitchState
+from contracts import Camera, Compass, ImageArray, InputError, MotionState, SwitchState
 from georef.mosaic import Mosaic, PlaneGrid, mosaic
 from rail.plant import Plant, Switch
-from rail.switch_status import Compass, compass, spot_visible, status_from_flag
+from rail.switch_status import spot_visible, status_from_flag
 
 WIDTH_PX = 1600  # of the picture, at most
 FINEST_PX_PER_M = 600.0
 MOMENTS = 2
-WINDOW_NS = 400_000_000  # over which a direction is measured
-LEAST_MOVE_M = 0.01  # within the window; a vehicle that moves less has no direction
 _SIDE = 0.12  # of the width: texts so near to a side run away from it
 _PAPER_BGR = (227, 233, 236)  # where no camera looks
 EXPLANATION = (
     "Every camera's frame warped to the floor, north up. Dots: the fused positions, with the direction of travel "
-    "over the last 0.4 s. Rings: where a switch shows its white spot, filled while it does; the table says how the "
+    "where it is known. Rings: where a switch shows its white spot, filled while it does; the table says how the "
     "switch lies as seen from each vehicle under way in its direction (left or right, paper R's table 2). Switch "
     "states are the true ones."
 )
@@ -37,11 +35,12 @@ _ARROWS = {Compass.NORTH: "↑", Compass.SOUTH: "↓", Compass.WEST: "←", Comp
 
 @dataclass(frozen=True)
 class PlacedVehicle:
-    """A vehicle as the chain says it: label, fused position, direction of travel if it moves."""
+    """A vehicle as the chain says it: label, fused position, state, direction of travel if it moves."""
 
     label: str
     east_m: float
     north_m: float
+    state: MotionState
     direction: Compass | None
 
 
@@ -60,7 +59,7 @@ def mosaics_html(run: ReportedRun) -> str:
     figures = []
     for k in np.linspace(0, len(whole) - 1, min(MOMENTS, len(whole))).round().astype(int).tolist():
         here = place[whole[k]]
-        vehicles = placed_vehicles(steps, here)
+        vehicles = placed_vehicles(steps[here])
         figures.append(mosaic_figure(mosaic(moments[whole[k]], cameras, grid), steps[here], vehicles, run.plant))
     return "".join(figures)
 
@@ -74,17 +73,16 @@ def grid_of(cameras: Sequence[Camera]) -> PlaneGrid | None:
         return None
 
 
-def placed_vehicles(steps: Sequence[RecordedStep], here: int) -> list[PlacedVehicle]:
-    """The fused vehicles of step number ``here``, directions from the displacement over ``WINDOW_NS`` before it."""
-    fused = steps[here].fused
-    before = [step.fused for step in steps[:here] if fused.time_ns - step.fused.time_ns <= WINDOW_NS]
+def placed_vehicles(step: RecordedStep) -> list[PlacedVehicle]:
+    """The fused vehicles of ``step`` with what the analyst said of them."""
+    fused, said = step.fused, {identity: k for k, identity in enumerate(step.motions.ids.tolist())}
     vehicles = []
     for row in np.flatnonzero(fused.valid).tolist():
-        position_m = fused.positions_m[row]
-        past = [one.positions_m[one.ids == fused.ids[row]] for one in before if fused.ids[row] in one.ids[one.valid]]
-        moved_m = position_m - past[0][0] if past else np.zeros(2)
-        direction = compass(float(np.arctan2(moved_m[1], moved_m[0]))) if np.hypot(*moved_m) >= LEAST_MOVE_M else None
-        vehicles.append(PlacedVehicle(fused.labels[row], float(position_m[0]), float(position_m[1]), direction))
+        east_m, north_m = fused.positions_m[row].tolist()
+        k = said.get(int(fused.ids[row]))
+        state = MotionState.UNKNOWN if k is None else step.motions.states[k]
+        direction = None if k is None else step.motions.directions[k]
+        vehicles.append(PlacedVehicle(fused.labels[row], east_m, north_m, state, direction))
     return vehicles
 
 
@@ -121,7 +119,7 @@ def _table(vehicles: Sequence[PlacedVehicle], switches: dict[str, Switch], state
             one.label,
             f"{one.east_m:.3f}",
             f"{one.north_m:.3f}",
-            one.direction.value if one.direction else "none",
+            str(one.direction or one.state),
             *(
                 switch_side(switch, states.get(name, SwitchState.UNKNOWN), one.direction)
                 for name, switch in switches.items()
@@ -145,7 +143,7 @@ def _vehicle_marks(grid: PlaneGrid, vehicles: Sequence[PlacedVehicle]) -> Iterat
     paint = colours((one.label, one.label) for one in vehicles)
     for one in vehicles:
         u, v = grid.pixels(np.array([one.east_m, one.north_m])).tolist()
-        heading = f" {_ARROWS[one.direction]} {one.direction.value[0].upper()}" if one.direction else " standing"
+        heading = f" {_ARROWS[one.direction]} {one.direction.value[0].upper()}" if one.direction else f" {one.state}"
         yield f'<circle class="vehicle" cx="{u:.1f}" cy="{v:.1f}" r="9" fill="{paint[one.label]}"/>'
         yield _text(grid, "vehicle", f"{one.label} {one.east_m:.3f}, {one.north_m:.3f} m{heading}", u, v + 38)
 

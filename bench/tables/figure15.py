@@ -16,6 +16,6 @@ def figure15(shown: Film, watched: Watched) -> Part | None:
     middle = len(shown.steps) // 2
     picture = mosaic({frame.camera: frame.image for frame in shown.steps[middle].frames}, cameras, grid)
     steps = watched.recording.steps
-    drawn = mosaic_figure(picture, steps[middle], placed_vehicles(steps, middle), plant_of(shown.scenario.plant))
+    drawn = mosaic_figure(picture, steps[middle], placed_vehicles(steps[middle]), plant_of(shown.scenario.plant))
     says = f"“{shown.scenario.name}”, the moment in the middle. {EXPLANATION}"
     return Part("figure15", "Figure 15: the mosaic", says, picture=drawn)

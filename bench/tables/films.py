@@ -93,7 +93,8 @@ def watch(shown: Film, method: str, make_perceiver: Callable[[Camera], Perceiver
             seen = chain.perceive(step)
             views = chain.locate(step, seen)
             fused = chain.fuse(views)
-            recorded.append(RecordedStep(index, fused.time_ns, without_masks(step.truth), seen, views, fused, ()))
+            truth, motions = without_masks(step.truth), chain.analyse(fused)
+            recorded.append(RecordedStep(index, fused.time_ns, truth, seen, views, fused, motions, ()))
     return Watched(
         shown.scenario.name,
         " → ".join([shown.scenario.light, *(change.to for change in shown.scenario.light_change)]),

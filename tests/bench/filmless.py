@@ -9,8 +9,9 @@ from bench.ledger import ledger_of
 from bench.recording import Manifest, RecordedStep, Recording
 from bench.recording_file import Recorder
 from bench.roofs import roof_quads_px
-from contracts import Camera, Detections, Frame, GroundTracks, Intrinsics, Motions, Pose, Tracks
+from contracts import Camera, Detections, Frame, GroundTracks, Intrinsics, Pose, Tracks
 from contracts.truth import CameraTruth, Step, Truth
+from georef.motion import WindowAnalyst
 
 COLOURS_BGR = {"red": (40, 40, 210), "blue": (210, 70, 30)}
 SIZE_M = (0.12, 0.06, 0.06)
@@ -88,17 +89,18 @@ def filmless_run(steps=4, hidden=1.0, geo=None):
     """(Recording, frames of every step)."""
     cameras = (overhead_camera(), overhead_camera("east", 0.4))
     manifest = Manifest("painted", "Painted roofs", "rail", 3, 25.0, {}, (), {}, None, cameras, (), geo)
-    moments = [_moment(truth_at(index, cameras, hidden), cameras) for index in range(steps)]
+    analyst = WindowAnalyst()
+    moments = [_moment(truth_at(index, cameras, hidden), cameras, analyst) for index in range(steps)]
     return Recording(manifest, tuple(step for step, _ in moments)), tuple(frames for _, frames in moments)
 
 
-def _moment(truth, cameras):
+def _moment(truth, cameras, analyst):
     frames = tuple(painted(truth, camera) for camera in cameras)
     tracks = tuple(perfect_tracks(truth, camera) for camera in cameras)
     views = tuple(perfect_ground(truth, camera.name) for camera in cameras)
     ledger = ledger_of(Step(frames, truth), tracks, views)
     fused = perfect_ground(truth, "fused")
-    step = RecordedStep(truth.index, truth.time_ns, truth, tracks, views, fused, Motions.unknown(fused), ledger)
+    step = RecordedStep(truth.index, truth.time_ns, truth, tracks, views, fused, analyst.analyse(fused), ledger)
     return step, frames
 
 

@@ -9,9 +9,8 @@ import pytest
 from bench.report.material import read_run
 from bench.report.mosaic import grid_of, mosaics_html, placed_vehicles, switch_side
 from bench.report.page import page
-from contracts import SwitchState
+from contracts import Compass, SwitchState
 from georef.calibrated import CalibratedCamera
-from rail.switch_status import Compass
 from scenarios.plant_file import load_plant
 from tests.bench.filmless import filmless_run, overhead_camera, record
 
@@ -47,18 +46,16 @@ def test_without_calibrated_cameras_there_is_no_mosaic(run):
     assert grid_of(()) is None
 
 
-def test_a_direction_is_that_of_the_displacement_and_none_while_it_is_short(run):
+def test_a_direction_is_what_the_analyst_said(run):
     steps = run.recording.steps
-    assert [vehicle.direction for vehicle in placed_vehicles(steps, 11)] == [Compass.EAST, Compass.EAST]
-    assert [vehicle.direction for vehicle in placed_vehicles(steps, 0)] == [None, None]
-    back = [replace(step, fused=replace(step.fused, positions_m=-step.fused.positions_m)) for step in steps]
-    assert [vehicle.direction for vehicle in placed_vehicles(back, 11)] == [Compass.WEST, Compass.WEST]
+    assert [vehicle.direction for vehicle in placed_vehicles(steps[11])] == [Compass.EAST, Compass.EAST]
+    assert [(vehicle.direction, vehicle.state) for vehicle in placed_vehicles(steps[0])] == [(None, "unknown")] * 2
 
 
 def test_what_has_no_place_is_not_drawn(run):
     step = run.recording.steps[3]
     lost = replace(step, fused=replace(step.fused, valid=[True, False]))
-    assert [vehicle.label for vehicle in placed_vehicles([lost], 0)] == ["red"]
+    assert [vehicle.label for vehicle in placed_vehicles(lost)] == ["red"]
 
 
 def test_switches_are_told_as_in_table_2():

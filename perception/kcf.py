@@ -9,24 +9,29 @@ learning are two calls, so that whoever knows better may correct the place befor
 import math
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from contracts import FloatArray, ImageArray, InputError
 from perception.colour_axis import GREY, colour_axis
 from perception.correlation import (
     Float32Array,
     Spectrum,
+    channel_correlation,
     cross_correlation,
     find_peak,
     gaussian_kernel,
     gaussian_target,
     respond,
     ridge_spectrum,
+    spectra,
     spectrum,
     train,
 )
+from perception.hog import CELL, CHANNELS, hog
 from perception.patches import Crop, WindowShape, cosine_window, to_image
 from perception.target_filter import Found
 
@@ -40,6 +45,7 @@ class Features(StrEnum):
 
     GREY = "grey"  # brightness
     COLOUR = "colour"  # the mixture of colours that tells the target best from its surroundings when it is first seen
+    HOG = "hog"  # that mixture's gradients in cells of 4 x 4 samples; wants many samples
 
 
 @dataclass(frozen=True)
@@ -94,7 +100,7 @@ class CorrelationTracker:
         """Learn a target from one image and forget all before."""
         if not 1 <= min(size_px) <= max(size_px) < math.inf:
             raise InputError(f"CorrelationTracker: size_px = {size_px} must be finite and at least one pixel each way")
-        self._model = _Model(_window_shape(size_px, self._settings), size_px, self._settings)
+        self._model = _Model(size_px, self._settings)
         self._searched = None
         self._model.start(self._window(image, centre_px, angle_rad, self._model.shape))
 
@@ -106,7 +112,7 @@ class CorrelationTracker:
         self._searched = image, crop
         for _ in range(self._settings.looks):
             peak = find_peak(model.response(self._window(image, centre, angle_rad, model.shape)))
-            moved = to_image(peak.shift, angle_rad, model.shape.step_px)
+            moved = to_image(peak.shift, angle_rad, model.stride_px)
             centre = centre + moved
             if abs(moved[0]) + abs(moved[1]) < _SETTLED_PX:
                 break
@@ -134,58 +140,81 @@ class CorrelationTracker:
         return crop.window(centre_px, angle_rad, shape)
 
 
-def _window_shape(size_px: tuple[float, float], settings: KcfSettings) -> WindowShape:
-    return WindowShape.around(size_px, padding=settings.padding, budget=settings.samples)
-
-
 class _Model:
-    """What was learned of one target: its mean window, and the regression's coefficients that belong to it."""
+    """What was learned of one target: its mean window, and the regression's coefficients that belong to it.
 
-    def __init__(self, shape: WindowShape, size_px: tuple[float, float], settings: KcfSettings) -> None:
-        self.shape = shape
+    shape: of the window. stride_px: distance of neighbouring places of the response.
+    """
+
+    def __init__(self, size_px: tuple[float, float], settings: KcfSettings) -> None:
         self._size_px = size_px
         self._settings = settings
-        self._fade = cosine_window(shape.samples)
-        sigma = settings.target_sigma * math.sqrt(size_px[0] * size_px[1]) / shape.step_px
-        self._target_f = spectrum(gaussian_target(shape.samples, sigma))
-        self._ridge_f = ridge_spectrum(shape.samples, settings.ridge)
+        self._hog = settings.features == Features.HOG
+        cell = CELL if self._hog else 1
+        budget, multiple = settings.samples, 2 * cell
+        self.shape = WindowShape.around(size_px, padding=settings.padding, budget=budget, multiple_of=multiple)
+        self.stride_px = self.shape.step_px * cell
+        self._grid = self.shape.samples[0] // cell, self.shape.samples[1] // cell
+        self._fade = cosine_window(self._grid)
+        sigma = settings.target_sigma * math.sqrt(size_px[0] * size_px[1]) / self.stride_px
+        self._target_f = spectrum(gaussian_target(self._grid, sigma))
+        self._ridge_f = ridge_spectrum(self._grid, settings.ridge)
         self._weights = GREY
-        self._template: Float32Array = np.zeros(shape.samples, np.float32)
-        self._template_f: Spectrum = self._template
-        self._alpha_f: Spectrum = self._template
+        self._template: Float32Array = np.zeros((CHANNELS, *self._grid) if self._hog else self._grid, np.float32)
+        self._template_f = self._transformed(self._template)
+        self._alpha_f: Spectrum = self._target_f
         self._energy = 0.0
 
     def start(self, window: ImageArray) -> None:
-        if self._settings.features == Features.COLOUR:
+        """Forget all; choose the mixture of colours; learn the window (H, W, 3)."""
+        if self._settings.features != Features.GREY:
             distance = self.shape.distance(self._size_px)
             self._weights = colour_axis(window, distance < _INSIDE, distance > _OUTSIDE)
         self.learn(window, 1.0)
 
     def learn(self, window: ImageArray, rate: float) -> None:
         """Blend the window into the template by ``rate``; solve the regression for the new template."""
-        cv2.addWeighted(self._template, 1.0 - rate, self._features(window), rate, 0.0, dst=self._template)
-        self._template_f = spectrum(self._template)
+        self._template *= 1.0 - rate
+        self._template += rate * self._features(window)
+        self._template_f = self._transformed(self._template)
         self._energy = _energy(self._template)
         self._alpha_f = train(self._kernel(self._template_f, self._energy), self._target_f, self._ridge_f)
 
     def response(self, window: ImageArray) -> Float32Array:
+        """The regression's answer at every place of the window."""
         features = self._features(window)
-        return respond(self._kernel(spectrum(features), _energy(features)), self._alpha_f)
+        return respond(self._kernel(self._transformed(features), _energy(features)), self._alpha_f)
 
-    def _kernel(self, of: Spectrum, energy: float) -> Float32Array:
-        cross = cross_correlation(of, self._template_f)
-        return gaussian_kernel(cross, energy + self._energy, self._settings.bandwidth, cross.size)
+    def _kernel(self, of: NDArray[Any], energy: float) -> Float32Array:
+        if self._hog:
+            cross = channel_correlation(of, self._template_f, self._grid)
+        else:
+            cross = cross_correlation(of, self._template_f)
+        return gaussian_kernel(cross, energy + self._energy, self._settings.bandwidth, self._template.size)
+
+    def _transformed(self, features: Float32Array) -> NDArray[Any]:
+        return spectra(features) if self._hog else spectrum(features)
 
     def _features(self, window: ImageArray) -> Float32Array:
-        """(H, W) one channel less its mean, in units of its deviation, faded: brightness and contrast are gone."""
-        channel = cv2.transform(window.astype(np.float32), self._weights)
-        mean, deviation = cv2.meanStdDev(channel)
-        scale = 1.0 / max(float(deviation[0, 0]), _FLAT)
-        cv2.addWeighted(channel, scale, channel, 0.0, -float(mean[0, 0]) * scale, dst=channel)
-        return np.multiply(channel, self._fade, out=channel)
+        """(H, W) one channel, or (31, H / 4, W / 4), faded; the strength of light and contrast leaves no trace."""
+        channel = np.asarray(cv2.transform(window.astype(np.float32), self._weights), np.float32)
+        features = hog(channel) if self._hog else channel
+        _standardize(features, centred=not self._hog)
+        return np.multiply(features, self._fade, out=features)
 
 
 _FLAT = 0.25  # deviation, grey levels, below which a window has no contrast to scale up
+_FLAT_HOG = 1e-6  # mean square of gradient histograms, which are normalized already, of a window without any
+
+
+def _standardize(features: Float32Array, *, centred: bool) -> None:
+    """Bring features to unit mean square, less their mean if ``centred``; in place."""
+    if centred:
+        mean, deviation = cv2.meanStdDev(features)
+        scale = 1.0 / max(float(deviation[0, 0]), _FLAT)
+        cv2.addWeighted(features, scale, features, 0.0, -float(mean[0, 0]) * scale, dst=features)
+    else:
+        features *= 1.0 / math.sqrt(_energy(features) / features.size + _FLAT_HOG)
 
 
 def _energy(window: Float32Array) -> float:

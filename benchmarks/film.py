@@ -6,8 +6,10 @@ how memory grows and whether OpenGL contexts remain.
 
 import argparse
 import gc
+import itertools
 import resource
 import time
+from itertools import pairwise
 
 import mujoco
 import numpy as np
@@ -21,7 +23,7 @@ from sim.renderer import RendererName
 
 VEHICLES = (1, 5, 20)
 WARM_STATES = 3  # contexts, backdrops and caches come into being
-LAYERED_STATES, FULL_STATES = 40, 3
+LAYERED_STATES, FULL_STATES = 100, 4
 ROUNDS = 4  # of all lights, when endurance is tried
 
 
@@ -36,34 +38,41 @@ def spec(size: str, renderer: RendererName, light: LightPreset = LightPreset.SUN
     return FilmSpec(scene, cameras, light, rig.sensor, noise_seed=SEED, keep_instances=True, renderer=renderer)
 
 
-def frames_per_second(filmed: FilmSpec, drawn: list[Truth], *, workers: int) -> float:
-    """Camera frames per second of wall clock, after a few to warm up."""
+def rates(filmed: FilmSpec, *, each: int, workers: int) -> list[tuple[float, float]]:
+    """For each number of vehicles: camera frames per second of wall clock, processor time of this process per frame.
+
+    One film of them all, so that contexts, backdrops and caches come into being once, before the clock starts.
+    """
+    drawn = itertools.chain(states(WARM_STATES, 1), *(states(each, vehicles) for vehicles in VEHICLES))
     takes = film(filmed, drawn, workers=workers)
     for _ in range(WARM_STATES):
         next(takes)
-    begin = time.perf_counter()
-    frames = sum(len(take) for take in takes)
-    return frames / (time.perf_counter() - begin)
+    measured = []
+    for _ in VEHICLES:
+        wall, processor = time.perf_counter(), time.process_time()
+        frames = sum(len(take) for take in itertools.islice(takes, each))
+        measured.append((frames / (time.perf_counter() - wall), (time.process_time() - processor) / frames))
+    return measured
 
 
 def measure(size: str) -> list[Score]:
-    scores, per_frame_s = [], {}
-    for vehicles in VEHICLES:
-        few, many = (states(WARM_STATES + n, vehicles) for n in (FULL_STATES, LAYERED_STATES))
-        slow = frames_per_second(spec(size, RendererName.FULL), few, workers=1)
-        fast = frames_per_second(spec(size, RendererName.LAYERED), many, workers=1)
-        team = frames_per_second(spec(size, RendererName.LAYERED), many, workers=2)
-        per_frame_s[vehicles] = 1.0 / fast
-        name = f"{vehicles}_{size}"
+    slow = rates(spec(size, RendererName.FULL), each=FULL_STATES, workers=1)
+    fast = rates(spec(size, RendererName.LAYERED), each=LAYERED_STATES, workers=1)
+    team = rates(spec(size, RendererName.LAYERED), each=LAYERED_STATES, workers=2)
+    scores = []
+    for vehicles, (full_fps, _), (fps, cpu_s), (team_fps, _) in zip(VEHICLES, slow, fast, team, strict=True):
+        name, n = f"{vehicles}_{size}", 2 * LAYERED_STATES
         scores += [
-            Score(f"film.full_fps_{name}", slow, "1/s", 2 * FULL_STATES, True),
-            Score(f"film.fps_{name}", fast, "1/s", 2 * LAYERED_STATES, True),
-            Score(f"film.fps_{name}_two_processes", team, "1/s", 2 * LAYERED_STATES, True),
-            Score(f"film.speedup_{name}", fast / slow, "1", 2 * LAYERED_STATES, True),
+            Score(f"film.full_fps_{name}", full_fps, "1/s", 2 * FULL_STATES, True),
+            Score(f"film.fps_{name}", fps, "1/s", n, True),
+            Score(f"film.fps_{name}_two_processes", team_fps, "1/s", n, True),
+            Score(f"film.speedup_{name}", fps / full_fps, "1", n, True),
+            Score(f"film.cpu_s_{name}", cpu_s, "s", n, True),
         ]
-    low, high = VEHICLES[0], VEHICLES[-1]
-    growth = (per_frame_s[high] - per_frame_s[low]) / (high - low)
-    return [*scores, Score(f"film.seconds_per_vehicle_{size}", growth, "s", 2 * LAYERED_STATES, True)]
+    growth = [(b - a) / (v - u) for (u, v), ((_, a), (_, b)) in zip(pairwise(VEHICLES), pairwise(fast), strict=True)]
+    for (low, high), cpu_s in zip(pairwise(VEHICLES), growth, strict=True):
+        scores.append(Score(f"film.cpu_s_per_vehicle_{low}_to_{high}_{size}", cpu_s, "s", 2 * LAYERED_STATES, True))
+    return scores
 
 
 def endure(frames: int) -> list[Score]:

@@ -3,7 +3,8 @@
 Every renderer draws through this, so frustum, half pixel, lights and identities are right in one place.
 """
 
-import sys
+import atexit
+import weakref
 
 import mujoco
 import numpy as np
@@ -27,6 +28,15 @@ _DARK = np.zeros(3)
 _Flag = mujoco.mjtRndFlag
 
 
+_OPEN: "weakref.WeakSet[Stage]" = weakref.WeakSet()
+
+
+def _close_all() -> None:
+    """Free what nobody closed, before the interpreter ends."""
+    for stage in list(_OPEN):
+        stage.close()
+
+
 class Stage:
     """Draws RGB pictures, identities and depths of a scene at a state.
 
@@ -43,14 +53,17 @@ class Stage:
         self._drawn = _static_geometry(self._model)
         self._static_count = self._drawn.ngeom
         self._viewport = mujoco.MjrRect(0, 0, 1, 1)
+        _OPEN.add(self)
+        atexit.unregister(_close_all)
+        atexit.register(_close_all)  # what is registered last runs first: before MuJoCo, with its first context, ends
 
     def close(self) -> None:
-        """Free the context and its memory; nothing to do when the interpreter ends, with the driver gone already."""
-        if sys.is_finalizing():
-            return
-        self._gl.make_current()
-        self._context.free()
-        self._gl.free()
+        """Free the context and its memory; once is enough."""
+        if self in _OPEN:
+            _OPEN.remove(self)
+            self._gl.make_current()
+            self._context.free()
+            self._gl.free()
 
     def place(self, state: Truth) -> None:
         """Put the vehicles and the switches as ``state`` says."""

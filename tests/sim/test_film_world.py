@@ -1,5 +1,6 @@
 """The rail world as a whole: steps, determinism, and that what should not matter does not."""
 
+import multiprocessing
 import subprocess
 import sys
 
@@ -61,6 +62,13 @@ def test_frames_are_the_same_again_and_shared_among_processes_and_the_noise_chan
                 assert np.array_equal(getattr(a, field), getattr(b, field), equal_nan=True)
                 assert np.array_equal(getattr(a, field), getattr(c, field), equal_nan=True)
     assert max(view.visible_fractions.max() for view in here[0].truth.cameras) > 0.99
+
+
+def test_a_film_that_nobody_watches_ends_its_processes():
+    steps = world(workers=2).steps()
+    assert len(multiprocessing.active_children()) == 2
+    del steps
+    assert not multiprocessing.active_children()
 
 
 def test_a_world_without_film_gives_the_truth_and_loads_no_graphics():

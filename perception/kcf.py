@@ -45,7 +45,7 @@ class Features(StrEnum):
 
     GREY = "grey"  # brightness
     COLOUR = "colour"  # the mixture of colours that tells the target best from its surroundings when it is first seen
-    HOG = "hog"  # that mixture's gradients in cells of 4 x 4 samples; wants many samples
+    HOG = "hog"  # that mixture's gradients in cells of 4 x 4 samples; wants 8192 samples, and a floor with texture
 
 
 @dataclass(frozen=True)

@@ -40,6 +40,7 @@ class Contract(StrEnum):
     DETECTOR = "detector"
     TRACKER = "tracker"
     PERCEIVER = "perceiver"
+    ANALYST = "analyst"
 
 
 class ExportFormat(StrEnum):
@@ -209,7 +210,7 @@ def check(
         print(finding)
     if findings:
         raise typer.Exit(EXPECTATION_FAILED)
-    print(f"{path} keeps the contract of a {contract.value}")
+    print(f"{path} keeps the contract of {'an' if contract is Contract.ANALYST else 'a'} {contract.value}")
 
 
 @app.command()

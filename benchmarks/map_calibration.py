@@ -30,9 +30,9 @@ from bench.scores import Score, to_json
 from contracts import BoolArray, CalibrationError, Camera, FloatArray, IntArray, Intrinsics, Pose
 from georef.calibrated import CalibratedCamera
 from georef.camera_models import Beliefs, CameraModel, CameraState, FullState, PanTiltState
-from georef.ground_homography import GroundHomography, HomographyModel, HomographyState, place_by_homography
+from georef.ground_homography import GroundHomography, HomographyModel, HomographyState
 from georef.homography import image_from_plane
-from georef.location import place
+from georef.locate import locate_pixels
 from georef.map_calibration import calibrate_camera, calibrate_homography, calibrate_pan_tilt
 from georef.next_pick import choose
 from georef.picks import LinePicks, PointPicks
@@ -187,17 +187,6 @@ def homography_bound(camera: Camera, points: PointPicks) -> GroundHomography:
     return model.finished("pole", SIZE, state, np.linalg.inv(rows.T @ rows))
 
 
-def locate(found: Finding, pixels: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Places (N, 2) and their covariance (N, 2, 2) by the calibration alone."""
-    if isinstance(found, GroundHomography):
-        by_homography = place_by_homography(found, pixels)
-        rows, positions = by_homography.by_entries, by_homography.positions_m
-    else:
-        placed = place(found.camera, pixels, 0.0)
-        rows, positions = placed.by_parameters, placed.positions_m
-    return positions, rows @ found.covariance @ np.swapaxes(rows, 1, 2)
-
-
 def one_camera(seed: int, whole: bool) -> Trial:
     """Draw, pick, calibrate by every model, and locate."""
     rng = np.random.default_rng([whole, seed])
@@ -228,7 +217,7 @@ def _bound(model: str, camera: Camera, points: PointPicks) -> Finding:
     """Covariance bound of ``model`` at the true camera; for simpler models as if the camera were as they assume."""
     if model == "homography":
         return homography_bound(camera, points)
-    state: CameraState = FullState(camera) if model == "full" else PanTiltState.near(camera)
+    state: CameraState = FullState(camera) if model == "full" else PanTiltState.near(camera)[0]
     return CalibratedCamera(camera, information_bound(state, points))
 
 
@@ -242,9 +231,9 @@ def _calibrated(model: str, points: PointPicks) -> Finding:
 
 def _placed(found: Finding, bound: Finding, camera: Camera, places_m: FloatArray) -> Placed:
     pixels, _ = image(camera, places_m)
-    positions, stated = locate(found, pixels)
-    _, least = locate(bound, pixels if not isinstance(bound, GroundHomography) else _straight(camera, places_m))
-    return Placed(positions - places_m[:, :2], stated, least)
+    located = locate_pixels(found, pixels)
+    least = locate_pixels(bound, _straight(camera, places_m) if isinstance(bound, GroundHomography) else pixels)
+    return Placed(located.positions_m - places_m[:, :2], located.covs_m2, least.covs_m2)
 
 
 def _straight(camera: Camera, places_m: FloatArray) -> FloatArray:

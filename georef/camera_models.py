@@ -1,6 +1,6 @@
 """Two cameras that map points can calibrate: the whole one, and the traffic paper's with pan and tilt only."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol, Self
 
 import numpy as np
@@ -14,6 +14,7 @@ from georef.projection import project_with_derivatives
 from georef.refinement import moved_camera
 
 _LEAST_FOCAL_PX = 1.0
+_USUAL_K1 = -0.2
 
 
 @dataclass(frozen=True)
@@ -75,6 +76,13 @@ class FullState:
 
     camera: Camera
 
+    @classmethod
+    def near(cls, camera: Camera) -> tuple["FullState", "FullState"]:
+        """Starts with no lens and with a usual one: from either alone, strong lenses may be missed."""
+        k = camera.intrinsics
+        usual = replace(k, distortion=np.array([_USUAL_K1, 0.0, 0.0, 0.0, 0.0]))
+        return cls(camera), cls(replace(camera, intrinsics=usual))
+
     @property
     def by_free(self) -> FloatArray:
         """(15, 11)."""
@@ -112,12 +120,12 @@ class PanTiltState:
     position_m: FloatArray
 
     @classmethod
-    def near(cls, camera: Camera) -> "PanTiltState":
+    def near(cls, camera: Camera) -> tuple["PanTiltState"]:
         """With the focal length, place and viewing direction of ``camera``."""
-        k, ahead = camera.intrinsics, camera.pose.world_from_camera[:, 2]  # (-sin pan . -sin tilt, ...) by columns
+        k, ahead = camera.intrinsics, camera.pose.world_from_camera[:, 2]
         pan, tilt = np.arctan2(-ahead[0], ahead[1]), -np.arctan2(np.hypot(ahead[0], ahead[1]), ahead[2])
         focal = (k.fx_px + k.fy_px) / 2
-        return cls(camera.name, k.width_px, k.height_px, focal, float(pan), float(tilt), camera.pose.position_m)
+        return (cls(camera.name, k.width_px, k.height_px, focal, float(pan), float(tilt), camera.pose.position_m),)
 
     @property
     def camera(self) -> Camera:
@@ -181,7 +189,7 @@ class CameraModel:
         points = Observed(
             seen.pixels - self.points.pixels,
             seen.by_parameters @ by_free,
-            self.points.sigmas_m[:, None, None] ** 2 * seen.by_point @ np.swapaxes(seen.by_point, 1, 2),
+            np.nan_to_num(self.points.sigmas_m[:, None, None] ** 2 * seen.by_point @ np.swapaxes(seen.by_point, 1, 2)),
         )
         return (points, across_lines(camera, by_free, self.lines)) if len(self.lines) else (points,)
 

@@ -131,7 +131,7 @@ class HomographyModel:
     def observe(self, state: HomographyState) -> tuple[Observed, ...]:
         """Points alone."""
         seen = image_of_ground(state.entries, self._places)
-        covs = self._sigmas[:, None, None] ** 2 * seen.by_place @ np.swapaxes(seen.by_place, 1, 2)
+        covs = np.nan_to_num(self._sigmas[:, None, None] ** 2 * seen.by_place @ np.swapaxes(seen.by_place, 1, 2))
         return (
             Observed(
                 self.unit_px * seen.pixels + self.centre_px - self.picks.pixels,

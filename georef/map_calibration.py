@@ -25,6 +25,7 @@ _LARGEST_WRONG_SHARE = 0.4
 _LARGEST_NOISE_SHARE = 0.01  # of the image's width
 _ON_GROUND_M = 1e-6
 _MEDIAN_TO_SIGMA = 1.1774  # Rayleigh's median
+_START_FACTOR = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +83,7 @@ def calibrate_camera(
     Raises CalibrationError, with the reason, for picks that do not determine it.
     """
     model = CameraModel(points, lines or LinePicks.none(), beliefs or Beliefs())
-    return _calibrate("full", FullState, name, size_px, model=model, noise=noise or Noise(), rng=rng)
+    return _calibrate("full", FullState.near, name, size_px, model=model, noise=noise or Noise(), rng=rng)
 
 
 def calibrate_pan_tilt(
@@ -136,7 +137,7 @@ def calibrate_homography(
 
 def _calibrate(
     kind: str,
-    state_near: Callable[[Camera], CameraState],
+    states_near: Callable[[Camera], Sequence[CameraState]],
     name: str,
     size_px: tuple[int, int],
     *,
@@ -148,7 +149,8 @@ def _calibrate(
     points, lines = model.points, model.lines
     check_enough(name, len(points), LEAST_POINTS[kind], "points")
     check_spread(name, points, width_px, height_px)
-    starts = [state_near(camera) for camera in first_cameras(name, points, width_px, height_px, rng)]
+    first = first_cameras(name, points, width_px, height_px, rng)
+    starts = [state for camera in first for state in states_near(camera)]
     found = _best(model, starts, noise, float(np.hypot(width_px, height_px)), name)
     camera = found.state.camera
     if camera.pose.position_m[2] <= 0:
@@ -181,9 +183,13 @@ def _best(
 
 
 def _start_noise(model: Model[State], start: State, noise: Noise) -> float:
-    """Residuals' standard deviation at the start, by their median, as far as it is larger than the belief."""
+    """Noise to begin with: well above the residuals' at the start, by their median, and never below the belief.
+
+    Whoever begins with less takes the corners, which a lens bends most, for wrong picks and never gets them back.
+    """
     lengths = np.linalg.norm(model.observe(start)[0].residuals, axis=1)
-    return float(max(noise.sigma_px, np.median(np.nan_to_num(lengths, nan=np.inf)) / _MEDIAN_TO_SIGMA))
+    typical_px = np.median(np.nan_to_num(lengths, nan=np.inf)) / _MEDIAN_TO_SIGMA
+    return float(max(noise.sigma_px, _START_FACTOR * typical_px))
 
 
 def _checked_size(size_px: tuple[int, int]) -> tuple[int, int]:

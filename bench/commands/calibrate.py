@@ -1,0 +1,101 @@
+"""``gantry calibrate`` and ``gantry locate``: for owners of real cameras. Nothing of the simulation is loaded."""
+
+import re
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(help="Calibrate a real camera from images of a board, or from picks on a map.", no_args_is_help=True)
+
+
+class Model(StrEnum):
+    """What ``gantry calibrate camera`` fits."""
+
+    FULL = "full"
+    PAN_TILT = "pan-tilt"
+    HOMOGRAPHY = "homography"
+
+
+class Form(StrEnum):
+    """Whose camera file is written."""
+
+    GANTRY = "gantry"
+    OPENCV = "opencv"
+    ROS = "ros"
+
+
+Out = Annotated[Path, typer.Option(help="The camera file to write (YAML).")]
+FormOption = Annotated[Form, typer.Option(help="gantry, opencv (FileStorage) or ros (camera_info).")]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
+
+
+@app.command()
+def intrinsics(
+    images: Annotated[list[Path], typer.Argument(help="Images of the board, held differently.", metavar="IMAGES...")],
+    board: Annotated[str, typer.Option(help="Inner corners and square: 9x6:0.025 is 9 x 6 of 25 mm.")],
+    out: Out,
+    name: Annotated[str, typer.Option(help="The camera's name.")] = "camera",
+    form: FormOption = Form.GANTRY,
+    json: Json = False,
+) -> None:
+    """Calibrate the lens from images of a checkerboard."""
+    from bench.owners import calibrate_lens, print_lens
+
+    print_lens(calibrate_lens(images, _board(board), name, out, form.value), out, json=json)
+
+
+@app.command()
+def camera(
+    picks: Annotated[Path, typer.Argument(help="Table of picks; its header is in docs/owners.md.", metavar="PICKS.csv")],
+    size: Annotated[str, typer.Option(help="The image's size in pixels: 1920x1080.")],
+    out: Out,
+    map_: Annotated[Path | None, typer.Option("--map", help="HD map (GeoJSON) for picks that name features.")] = None,
+    model: Annotated[Model, typer.Option(help="What is fitted.")] = Model.FULL,
+    name: Annotated[str, typer.Option(help="The camera's name.")] = "camera",
+    origin: Annotated[str | None, typer.Option(help="Of local metres, without a map: LATITUDE,LONGITUDE.")] = None,
+    noise_px: Annotated[float, typer.Option(help="Standard deviation of a pick, as you believe.")] = 1.0,
+    height_m: Annotated[float | None, typer.Option(help="The camera's height to half a metre, if known.")] = None,
+    seed: Annotated[int, typer.Option(help="Of the random samples.")] = 0,
+    form: FormOption = Form.GANTRY,
+    json: Json = False,
+) -> None:
+    """Calibrate a camera from points and lines of a map, picked in its image."""
+    from bench.owners import Wanted, calibrate_from_picks, print_calibration
+
+    wanted = Wanted(model.value, name, _pair(size, "x", "--size", int), noise_px, height_m, seed, form.value)
+    place = _pair(origin, ",", "--origin", float) if origin else None
+    print_calibration(calibrate_from_picks(picks, map_, place, wanted, out), out, json=json)
+
+
+def locate(
+    pixels: Annotated[Path, typer.Argument(help="Table: u_px, v_px [, height_m, sigma_px, name].", metavar="PIXELS.csv")],
+    camera: Annotated[Path, typer.Option(help="Camera file, from gantry calibrate or your own.")],
+    json: Json = False,
+) -> None:
+    """Place pixels on the ground: local metres and WGS84, with covariance."""
+    from bench.owners import locate_table, print_places
+
+    print_places(locate_table(camera, pixels), json=json)
+
+
+def _board(text: str) -> tuple[int, int, float]:
+    from contracts import InputError
+
+    found = re.fullmatch(r"(\d+)x(\d+):([0-9.]+)", text)
+    try:
+        assert found
+        return int(found[1]), int(found[2]), float(found[3])
+    except (AssertionError, ValueError) as error:
+        raise InputError(f'--board "{text}" is not COLUMNSxROWS:SQUARE_M, for example 9x6:0.025') from error
+
+
+def _pair(text: str, between: str, option: str, number: type) -> tuple:  # type: ignore[type-arg]
+    from contracts import InputError
+
+    try:
+        first, second = (number(part) for part in text.split(between))
+    except ValueError as error:
+        raise InputError(f'{option} "{text}" is not two numbers with "{between}" between them') from error
+    return first, second

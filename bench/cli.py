@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from bench.commands import calibrate
 from contracts.errors import GantryError
 
 if TYPE_CHECKING:
@@ -30,6 +31,9 @@ app = typer.Typer(
 
 tables = typer.Typer(help="Remake the papers' tables on frames whose truth is known.", no_args_is_help=True)
 app.add_typer(tables, name="tables")
+
+app.add_typer(calibrate.app, name="calibrate")
+app.command()(calibrate.locate)
 
 RunDirectory = Annotated[Path, typer.Argument(help="A run directory.", metavar="RUN")]
 

@@ -182,7 +182,9 @@ def _print_parameters(
     rows: dict[str, float], sigmas: FloatArray, extra: dict[str, Any], out: Path, *, json: bool
 ) -> None:
     if json:
-        told = {name: {"value": value, "sigma": float(s)} for (name, value), s in zip(rows.items(), sigmas, strict=True)}
+        told = {
+            name: {"value": value, "sigma": float(s)} for (name, value), s in zip(rows.items(), sigmas, strict=True)
+        }
         print(json_module.dumps({"file": str(out), "parameters": told, **extra}, indent=2))
         return
     for (name, value), sigma in zip(rows.items(), sigmas, strict=True):
@@ -224,7 +226,10 @@ def print_places(places: Places, *, json: bool) -> None:
     if json:
         print(json_module.dumps(rows, indent=2))
         return
-    print("name x_m y_m sigma_east_m sigma_north_m" + (" latitude_deg longitude_deg" if places.places_deg is not None else ""))
+    print(
+        "name x_m y_m sigma_east_m sigma_north_m"
+        + (" latitude_deg longitude_deg" if places.places_deg is not None else "")
+    )
     for row in rows:
         if not row["valid"]:
             print(f"{row['name']} - not on the ground: at or above the horizon, or beyond the lens")

@@ -19,7 +19,7 @@ from contracts.arrays import freeze
 from georef.calibrated import PARAMETERS, CalibratedCamera
 from georef.geo_reference import GeoReference
 
-_OPENCV_HEAD = "%YAML:1.0"
+_OPENCV_HEAD, _OPENCV_TAG = "%YAML:1.0", "!!opencv-matrix"  # from OpenCV 5 on the head is YAML's own
 _PLUMB_BOB = "plumb_bob"
 _SIZE = len(PARAMETERS)
 
@@ -65,7 +65,7 @@ class StoredCamera:
 
 def is_opencv(text: str) -> bool:
     """Whether ``text`` was written by OpenCV's FileStorage."""
-    return text.startswith(_OPENCV_HEAD)
+    return text.startswith(_OPENCV_HEAD) or _OPENCV_TAG in text
 
 
 def to_opencv(stored: StoredCamera) -> str:

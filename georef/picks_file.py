@@ -17,6 +17,7 @@ Kinds of places may be mixed row by row; empty cells count as not given.
 
 import csv
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,7 +25,7 @@ import numpy as np
 
 from contracts import FloatArray, InputError
 from georef.geo_reference import GeoReference
-from georef.hd_map import Area, HdMap, Line, Link, Point
+from georef.hd_map import Area, Feature, HdMap, Line, Link, Point
 from georef.picks import LinePicks, PointPicks
 
 _NUMBERS = (
@@ -150,7 +151,7 @@ def _first_place(rows: list[_Row]) -> GeoReference | None:
     return None
 
 
-def _place(row: _Row, geo: GeoReference | None, features: dict[str, object] | None) -> FloatArray:
+def _place(row: _Row, geo: GeoReference | None, features: Mapping[str, Feature] | None) -> FloatArray:
     """(1, 3) a point, or (M, 3) a line."""
     ways = {
         "x_m and y_m": ("x_m", "y_m"),
@@ -183,7 +184,7 @@ def _position(row: _Row, geo: GeoReference | None, which: str) -> FloatArray:
         raise InputError(f"{row.where}: {error}") from error
 
 
-def _of_map(row: _Row, features: dict[str, object] | None) -> FloatArray:
+def _of_map(row: _Row, features: Mapping[str, Feature] | None) -> FloatArray:
     told = row.cells["feature"]
     if features is None:
         raise InputError(f'{row.where}, column feature: "{told}" needs a map, and none is given')
@@ -193,7 +194,6 @@ def _of_map(row: _Row, features: dict[str, object] | None) -> FloatArray:
         raise InputError(f'{row.where}, column feature: the map has no point, line or area "{name}"')
     if isinstance(feature, Point):
         return np.asarray(feature.position_m)[None]
-    assert isinstance(feature, Line | Area)
     places = feature.points_m if isinstance(feature, Line) else feature.ring_m
     if not corner:
         if isinstance(feature, Area):
@@ -201,4 +201,4 @@ def _of_map(row: _Row, features: dict[str, object] | None) -> FloatArray:
         return places
     if not corner.isdecimal() or not 1 <= int(corner) <= len(places):
         raise InputError(f'{row.where}, column feature: "{name}" has the corners #1 to #{len(places)}, not "#{corner}"')
-    return places[int(corner) - 1][None]
+    return np.asarray(places[int(corner) - 1], dtype=np.float64)[None]

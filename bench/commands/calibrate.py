@@ -48,7 +48,9 @@ def intrinsics(
 
 @app.command()
 def camera(
-    picks: Annotated[Path, typer.Argument(help="Table of picks; its header is in docs/owners.md.", metavar="PICKS.csv")],
+    picks: Annotated[
+        Path, typer.Argument(help="Table of picks; its header is in docs/owners.md.", metavar="PICKS.csv")
+    ],
     size: Annotated[str, typer.Option(help="The image's size in pixels: 1920x1080.")],
     out: Out,
     map_: Annotated[Path | None, typer.Option("--map", help="HD map (GeoJSON) for picks that name features.")] = None,
@@ -70,7 +72,9 @@ def camera(
 
 
 def locate(
-    pixels: Annotated[Path, typer.Argument(help="Table: u_px, v_px [, height_m, sigma_px, name].", metavar="PIXELS.csv")],
+    pixels: Annotated[
+        Path, typer.Argument(help="Table: u_px, v_px [, height_m, sigma_px, name].", metavar="PIXELS.csv")
+    ],
     camera: Annotated[Path, typer.Option(help="Camera file, from gantry calibrate or your own.")],
     json: Json = False,
 ) -> None:

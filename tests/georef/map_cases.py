@@ -8,6 +8,7 @@ from contracts import Camera, FloatArray, Intrinsics, Pose
 from georef.picks import LinePicks, PointPicks
 
 SIZE = (1920, 1080)
+PLAIN_PICKS_SEED = 11
 STRONG_LENS = (-0.22, 0.04, 0.0, 0.0, 0.0)
 
 

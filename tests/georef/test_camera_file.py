@@ -7,7 +7,9 @@ from hypothesis import strategies as st
 
 from contracts import Camera, InputError, Intrinsics, Pose
 from georef.calibrated import PARAMETERS, CalibratedCamera
-from georef.camera_file import read_camera, write_camera
+from georef.camera_file import read_camera, read_stored, write_camera, write_stored
+from georef.camera_forms import CameraForm, StoredCamera
+from georef.geo_reference import GeoReference
 
 GOOD = {
     "name": "west",
@@ -132,3 +134,81 @@ def test_a_place_that_cannot_be_written_to_is_named(tmp_path):
     camera = read_camera(written(tmp_path))
     with pytest.raises(InputError, match="cannot be written"):
         write_camera(tmp_path / "nowhere" / "camera.yaml", camera)
+
+
+FORMS = st.sampled_from(list(CameraForm))
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    form=FORMS, rvec=st.tuples(*[st.floats(-3, 3)] * 3), numbers=st.lists(st.floats(0.1, 2e3), min_size=8, max_size=8)
+)
+def test_every_form_reads_back_what_it_wrote(tmp_path_factory, form, rvec, numbers):
+    pose = Pose(cv2.Rodrigues(np.array(rvec))[0], np.array(numbers[:3]))
+    intrinsics = Intrinsics(640, 480, *numbers[3:7], np.array([0.1, -0.02, 1e-4, 0, 0.3]))
+    geo = GeoReference(37.398, 127.112)
+    stored = StoredCamera("south-1", intrinsics, pose, np.diag(np.full(15, numbers[7])), geo)
+    path = tmp_path_factory.mktemp("camera") / "camera.yaml"
+    write_stored(path, stored, form)
+    again = read_stored(path)
+    assert (again.name, again.geo) == ("south-1", geo)
+    assert again.intrinsics.matrix.tolist() == intrinsics.matrix.tolist()
+    assert again.intrinsics.distortion.tolist() == intrinsics.distortion.tolist()
+    assert again.pose is not None
+    assert np.abs(again.pose.world_from_camera - pose.world_from_camera).max() < 1e-12
+    assert np.abs(again.pose.position_m - pose.position_m).max() < 1e-9
+    assert again.covariance.tolist() == stored.covariance.tolist()
+
+
+@pytest.mark.parametrize("form", list(CameraForm))
+def test_a_lens_alone_has_no_pose(tmp_path, form):
+    lens = read_camera(written(tmp_path)).camera.intrinsics
+    write_stored(tmp_path / "lens.yaml", StoredCamera("west", lens, None, np.zeros((15, 15))), form)
+    assert read_stored(tmp_path / "lens.yaml").pose is None
+    with pytest.raises(InputError, match="give the pose either as"):
+        read_camera(tmp_path / "lens.yaml")
+
+
+def test_what_opencv_and_ros_write_themselves_is_read(tmp_path):
+    storage = cv2.FileStorage(str(tmp_path / "opencv.yml"), cv2.FILE_STORAGE_WRITE)
+    for name, value in (("image_width", 640), ("image_height", 480), ("avg_reprojection_error", 0.3)):
+        storage.write(name, value)
+    storage.write("camera_matrix", np.array([[500.0, 0, 320], [0, 501, 240], [0, 0, 1]]))
+    storage.write("distortion_coefficients", np.array([[0.1], [0.2], [0.0], [0.0]]))
+    storage.release()
+    (tmp_path / "ros.yaml").write_text(
+        "image_width: 640\nimage_height: 480\ncamera_name: narrow_stereo\n"
+        "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [500, 0, 320, 0, 501, 240, 0, 0, 1]\n"
+        "distortion_model: plumb_bob\ndistortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [0.1, 0.2, 0, 0, 0]\n"
+        "rectification_matrix:\n  rows: 3\n  cols: 3\n  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n"
+    )
+    for file in ("opencv.yml", "ros.yaml"):
+        lens = read_stored(tmp_path / file).intrinsics
+        assert lens.matrix.tolist() == [[500, 0, 320], [0, 501, 240], [0, 0, 1]]
+        assert lens.distortion.tolist() == [0.1, 0.2, 0, 0, 0]
+
+
+ROS = "image_width: 6\nimage_height: 4\ncamera_matrix: {rows: 3, cols: 3, data: [5, 0, 3, 0, 5, 2, 0, 0, 1]}\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("%YAML:1.0\n---\nimage_width: [1", "FileStorage|lacks"),
+        ("%YAML:1.0\n---\nimage_width: 3\n", "lacks image_height"),
+        (ROS, "missing required field `distortion_coefficients`"),
+        (ROS + "distortion_coefficients: {rows: 1, cols: 3, data: [1, 2, 3]}", "must be k1, k2, p1, p2"),
+        (
+            ROS + "distortion_model: fisheye\ndistortion_coefficients: {rows: 1, cols: 4, data: [0, 0, 0, 0]}",
+            "not known",
+        ),
+        (
+            ROS.replace("5, 0, 3", "5, 1, 3") + "distortion_coefficients: {rows: 1, cols: 4, data: [0, 0, 0, 0]}",
+            "fx, 0",
+        ),
+    ],
+)
+def test_wrong_files_of_other_programs_are_named(tmp_path, text, message):
+    (tmp_path / "camera.yaml").write_text(text)
+    with pytest.raises(InputError, match=rf"camera\.yaml: .*({message})"):
+        read_stored(tmp_path / "camera.yaml")

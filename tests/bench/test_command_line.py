@@ -115,3 +115,12 @@ def test_every_command_is_documented_in_the_readme():
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     commands = {command.name or command.callback.__name__ for command in app.registered_commands}
     assert not {name for name in commands if f"gantry {name}" not in readme}
+
+
+def test_tables_of_unknown_sequences_or_of_no_frame_are_refused(tmp_path):
+    assert_refused(gantry("tables", "rail", "no-such-scenario", "--out", tmp_path / "a"), "no-such-scenario")
+    assert_refused(
+        gantry("tables", "rail", "oval-two-vehicles", "--frames", "0", "--out", tmp_path / "b"), "--frames 0"
+    )
+    assert_refused(gantry("tables", "rail", "oval-two-vehicles", "--split", "test"), "--split test")
+    assert not list(tmp_path.iterdir())

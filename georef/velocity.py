@@ -26,13 +26,15 @@ class Fit:
     """A parabola p(t) = p + v t + a t^2 / 2 through the places of one window, t = 0 at the newest.
 
     parameters: (6,) position, velocity, acceleration; metres and seconds.
-    covariance: (6, 6).
+    covariance: (6, 6) if the places scatter about the parabola as they state.
+    misfit: by how much their squares exceed that, per degree of freedom; 1 where they do not.
     span_s: time between the oldest and the newest place.
     displacement_m, displacement_cov_m2: (2,) from the oldest to the newest place, and (2, 2) its covariance.
     """
 
     parameters: FloatArray
     covariance: FloatArray
+    misfit: float
     span_s: float
     displacement_m: FloatArray
     displacement_cov_m2: FloatArray
@@ -44,17 +46,17 @@ class Fit:
 
     @property
     def velocity_cov_m2ps2(self) -> FloatArray:
-        """(2, 2)."""
-        return self.covariance[_VELOCITY, _VELOCITY]
+        """(2, 2), widened by the misfit: places that are off, or no parabola (Birge 1932, Phys. Rev. 40, 207)."""
+        return self.misfit * self.covariance[_VELOCITY, _VELOCITY]
 
     @property
     def velocity_square(self) -> float:
         """Squared Mahalanobis distance of the velocity from none: chi-square with 2 degrees of freedom at rest."""
-        return _square(self.parameters[_VELOCITY], self.covariance[_VELOCITY, _VELOCITY])
+        return _square(self.velocity_mps, self.velocity_cov_m2ps2)
 
     @property
     def motion_square(self) -> float:
-        """The same of velocity and acceleration together: chi-square with 4 degrees of freedom at rest."""
+        """That of velocity and acceleration together, not widened: chi-square with 4 degrees of freedom at rest."""
         return _square(self.parameters[_MOTION], self.covariance[_MOTION, _MOTION])
 
     def displacement_sigmas(self, direction: FloatArray) -> float:
@@ -80,7 +82,9 @@ def parabolas(
     unit_s = max(float(-ago_s[-1]), 1e-9)  # times in units of the longest span keep the equations well-conditioned
     powers = np.array([np.ones(n), ago_s / unit_s, (ago_s / unit_s) ** 2 / 2])  # (3, K)
     weights = np.linalg.inv(covs_m2[::-1] + EXACT_M**2 * np.eye(2))  # (K, 2, 2)
-    weighted = np.einsum("kab,kb->ka", weights, places_m[::-1] - places_m[-1])  # (K, 2)
+    moved_m = places_m[::-1] - places_m[-1]
+    weighted = np.einsum("kab,kb->ka", weights, moved_m)  # (K, 2)
+    squares = (weighted * moved_m).sum(axis=1).cumsum()  # (K,)
     normal = np.einsum("pk,qk,kab->kpaqb", powers, powers, weights).reshape(n, 6, 6).cumsum(axis=0)
     right = np.einsum("pk,ka->kpa", powers, weighted).reshape(n, 6).cumsum(axis=0)
     to_seconds = np.repeat(unit_s ** -np.arange(_ORDER, dtype=np.float64), 2)  # (6,)
@@ -91,10 +95,13 @@ def parabolas(
             fits.append(None)
             continue
         covariance = np.linalg.inv(normal[count - 1])
-        parameters = to_seconds * (covariance @ right[count - 1]) + offset
+        scaled = covariance @ right[count - 1]
+        residual = float(squares[count - 1] - scaled @ right[count - 1])
+        misfit = max(1.0, residual / (2 * count - 6))
+        parameters = to_seconds * scaled + offset
         covariance = 0.5 * (covariance + covariance.T) * np.outer(to_seconds, to_seconds)
         chord_m, chord_cov_m2 = places_m[-1] - places_m[-count], covs_m2[-1] + covs_m2[-count] + EXACT_M**2 * np.eye(2)
-        fits.append(Fit(parameters, covariance, span_s, chord_m, chord_cov_m2))
+        fits.append(Fit(parameters, covariance, misfit, span_s, chord_m, chord_cov_m2))
     return fits
 
 
@@ -118,7 +125,7 @@ def _disagreement(shorter: Fit, longer: Fit) -> float:
     if longer.span_s <= shorter.span_s:
         return 0.0  # the same places
     apart = shorter.velocity_mps - longer.velocity_mps
-    return _square(apart, shorter.velocity_cov_m2ps2 - longer.velocity_cov_m2ps2)
+    return _square(apart, (shorter.covariance - longer.covariance)[_VELOCITY, _VELOCITY])
 
 
 def _square(value: FloatArray, covariance: FloatArray) -> float:

@@ -11,16 +11,21 @@ import numpy as np
 
 from contracts import Camera, Detections, FloatArray, Frame, InputError, Tracks
 from perception.anchor import complete_roof
-from perception.colour_models import SHIPPED, ColourModel, ColourModels
+from perception.colour_models import SHIPPED, SINGLE, ColourModel, ColourModels
 from perception.hbp import HistogramBackProjection
 from perception.identity import ColourIdentity
 from perception.kcf import CorrelationTracker
 from perception.model_views import ModelViews
-from perception.roof_following import FollowedRoof, follow_roof, start_following
+from perception.roof_following import COVERED_PX, FollowedRoof, follow_roof, resume_following, start_following
+from perception.roof_window import RoofPose
 from perception.view import RoofView
 from perception.watch import ColourWatch
 
 CONFIDENT = 6.0  # peak to side lobe ratio from which the filter's peak is believed
+PREDICTABLE_PX = 1.5  # a filter's peak so near to the prediction does not better it; something may cover the vehicle
+WHOLE = 0.93  # share of a roof from which it counts as seen from end to end
+REMEMBERED_S = 3.0  # the motion of a vehicle that was lost
+UNSURE_PX = 1.5  # deviation from which an anchor has two explanations
 SAME_PX = 3.0  # a detection so near to a followed roof is the same vehicle
 
 
@@ -68,12 +73,14 @@ class HybridTracker:
         self._watch.reset()
         self._identity.reset()
         self._targets: dict[str, _Target] = {}
+        self._lost: dict[str, _Target] = {}
         self._since_search = 0
         self._unfollowed = True  # something may be there that only a search can find
 
     def perceive(self, frame: Frame) -> Tracks:
         """Tracks in ``frame``."""
         followed = {label: target.followed(frame) for label, target in self._targets.items()}
+        self._lost |= {label: self._targets[label] for label, target in followed.items() if target is None}
         self._targets = {label: target for label, target in followed.items() if target is not None}
         self._since_search += 1
         lost = len(self._targets) < len(followed)
@@ -88,26 +95,46 @@ class HybridTracker:
 
     def _searched(self, frame: Frame) -> Detections:
         """What the detector finds; the targets are started, confirmed or doubted by it."""
-        found = self._detector.detect(frame)
+        found = self._explained(self._detector.detect(frame))
         self._watch.settle(frame.image)
         self._since_search = 0
-        rows = zip(found.labels, found.quads_px, strict=True)
-        confirmed = {label: self._confirmed(label, frame, quad_px) for label, quad_px in rows}
+        confirmed = {label: self._confirmed(label, frame, found, row) for row, label in enumerate(found.labels)}
         doubted = {label: self._targets[label].doubted() for label in self._targets if label not in confirmed}
         self._unfollowed = None in confirmed.values()
         self._targets = {label: target for label, target in confirmed.items() if target is not None} | {
             label: target for label, target in doubted.items() if target.doubts < self._settings.doubts
         }
+        self._lost = {label: target for label, target in self._lost.items() if label not in self._targets}
         return found
 
-    def _confirmed(self, label: str, frame: Frame, quad_px: FloatArray) -> "_Target | None":
+    def _explained(self, found: Detections) -> Detections:
+        """Anchors for which a hidden end leaves two places, at the one that the vehicle's last motion speaks for."""
+        anchors_px, covs_px2 = found.anchors_px.copy(), found.anchor_covs_px2.copy()
+        for row, label in enumerate(found.labels):
+            known = self._lost.get(label)
+            variances, directions = np.linalg.eigh(covs_px2[row])
+            way_px = np.sqrt(variances[1]) * directions[:, 1]  # from the seen part's middle to the roof's, or back
+            if known is None or variances[1] < UNSURE_PX**2 or found.time_ns - known.time_ns > REMEMBERED_S * 1e9:
+                continue
+            ahead = float((known.expected(found.time_ns).centre_px - anchors_px[row]) @ way_px)
+            anchors_px[row] += np.sign(ahead) * way_px
+            single = known.model.anchor_moments_px2[SINGLE][0]
+            covs_px2[row] -= (variances[1] - single) * np.outer(directions[:, 1], directions[:, 1])
+        return replace(found, anchors_px=anchors_px, anchor_covs_px2=covs_px2)
+
+    def _confirmed(self, label: str, frame: Frame, found: Detections, row: int) -> "_Target | None":
         """The target that a detection confirms or starts; None where its roof cannot be followed."""
+        known, quad_px = self._targets.get(label), found.quads_px[row]
+        if found.scores[row] < WHOLE:  # what is followed is better known
+            return None if known is None else replace(known, doubts=0)
         roof = start_following(frame.image, quad_px)
+        if roof is not None and label in self._lost:
+            roof = self._lost[label].resumed(roof, frame)
         if roof is None:
             return None
-        known = self._targets.get(label)
         if known is not None and np.abs(known.point_px - quad_px.mean(axis=0)).max() <= SAME_PX:
-            return known.measured(roof)
+            shorter = (known.roof.pose.size_px - roof.pose.size_px).max() > COVERED_PX
+            return replace(known, doubts=0) if shorter else known.measured(roof)
         views = dict(zip(self._models, self._model_views.of(frame.image), strict=True))
         return _Target.started(self._models[label], views[label], roof, frame)
 
@@ -150,10 +177,28 @@ class _Target:
         axes = self.roof.pose.axes
         return np.asarray((axes.T * self.moments_px2) @ axes)
 
+    def expected(self, time_ns: int) -> RoofPose:
+        """Where the roof would be at a later time, did the vehicle keep its motion."""
+        past_s = (time_ns - self.time_ns) * 1e-9
+        return self.roof.pose.displaced(self.velocity_px * past_s, self.turn_rad * past_s)
+
     def measured(self, roof: FollowedRoof) -> "_Target":
         """The same vehicle in the same frame, measured anew."""
         shift, moments, visible = _completed(roof, self.model, self.view)
         return replace(self, roof=roof, shift_px=shift, moments_px2=moments, visible=visible, doubts=0)
+
+    def resumed(self, roof: FollowedRoof, frame: Frame) -> FollowedRoof | None:
+        """A roof found again; what it lacks of its length is at the end that the last motion speaks for."""
+        missing_px = self.roof.pose.size_px - roof.pose.size_px
+        axis = int(np.argmax(missing_px))
+        if missing_px[axis] <= COVERED_PX:
+            return roof
+        way = roof.pose.axes[axis]
+        ahead = np.sign((self.expected(frame.time_ns).centre_px - roof.pose.centre_px) @ way)
+        whole = RoofPose(
+            roof.pose.centre_px + ahead * missing_px[axis] / 2 * way, roof.pose.axes, self.roof.pose.size_px
+        )
+        return resume_following(frame.image, self.roof, whole)
 
     def doubted(self) -> "_Target":
         return replace(self, doubts=self.doubts + 1)
@@ -163,11 +208,11 @@ class _Target:
         past_s = (frame.time_ns - self.time_ns) * 1e-9
         if past_s <= 0:
             return None
-        before = self.roof.pose
-        expected = before.displaced(self.velocity_px * past_s, self.turn_rad * past_s)
+        before, expected = self.roof.pose, self.expected(frame.time_ns)
         found = self.seeker.find(frame.image, expected.centre_px, expected.angle_rad)
-        if found.confidence >= CONFIDENT:
-            expected = expected.displaced(found.centre_px - expected.centre_px, 0.0)
+        surprise_px = found.centre_px - expected.centre_px
+        if found.confidence >= CONFIDENT and np.abs(surprise_px).max() > PREDICTABLE_PX:
+            expected = expected.displaced(surprise_px, 0.0)
         roof = follow_roof(frame.image, self.roof, expected)
         if roof is None:
             return None

@@ -23,7 +23,9 @@ FARTHEST_PX = 6.0  # from where it was looked for, it is another edge that was f
 ODD_COST = 120.0  # of a side's profile: something stands before it
 DOUBTFUL_COST = 8.0  # beyond this the linear model is not trusted with a side
 SAME_COLOUR = 0.15  # by which the direction of a roof's colour may change from fit to fit
+COVERED_PX = 1.0  # by which a roof does not become shorter from one frame to the next
 _OPPOSITE = np.array([2, 3, 0, 1])
+_FORTH, _BACK = np.array([1, 2]), np.array([3, 0])  # the sides at the ends of the long and the short axis
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +52,12 @@ class _Reference:
 
 def start_following(image: ImageArray, quad_px: FloatArray) -> FollowedRoof | None:
     """From a roof (4, 2) that a detector measured, first side long; None where it cannot be followed, as when cut."""
-    return _fitted(image, RoofPose.of(np.asarray(quad_px, np.float64)), None)
+    return _fitted(image, RoofPose.of(np.asarray(quad_px, np.float64)), None, followed=False)
+
+
+def resume_following(image: ImageArray, last: FollowedRoof, pose: RoofPose) -> FollowedRoof | None:
+    """A roof that had been lost, at a ``pose`` of the size that it had; something may still cover an end of it."""
+    return _refitted(image, pose, last._reference.fit)
 
 
 def follow_roof(image: ImageArray, last: FollowedRoof, pose: RoofPose) -> FollowedRoof | None:
@@ -61,29 +68,42 @@ def follow_roof(image: ImageArray, last: FollowedRoof, pose: RoofPose) -> Follow
     reference = last._reference
     if last.age + 1 >= REFIT_EVERY:
         return _refitted(image, pose, reference.fit)
-    expected_px = pose.centre_px
+    looked = _looked(image, last, pose)
+    if looked is None or np.abs(looked.pose.centre_px - pose.centre_px).max() > FARTHEST_PX:
+        return None
+    if not looked.trusted:
+        return _refitted(image, looked.pose, reference.fit)
+    roof = Roof(looked.pose.corners_px, last.roof.sides_measured, last.roof.walls_px)
+    return FollowedRoof(roof, looked.pose, last.age + 1, reference)
+
+
+@dataclass(frozen=True, eq=False)
+class _Look:
+    """What the linear model says; not to be trusted where the profiles are too far from it."""
+
+    pose: RoofPose
+    trusted: bool
+
+
+def _looked(image: ImageArray, last: FollowedRoof, pose: RoofPose) -> _Look | None:
+    """The roof by the linear model, looked at again until it lies where it was looked for."""
+    reference, seen = last._reference, last.roof.sides_measured
     for _ in range(LOOKS):
         if not pose.inside(image):
             return None
         edges_px, turn_rad, costs = reference.linear.read(reference.plan.profiles(image, pose))
-        e0, e1, e2, e3 = edges_px.tolist()
-        offset = np.array([e1 - e3, e2 - e0]) / 2
+        offset, growth = _motion(edges_px, seen)
+        if growth.min() < -COVERED_PX:  # only from where the roof was expected can be told which end it is
+            return _Look(pose, trusted=False)
         pose = pose.moved(offset, turn_rad)
-        if max(abs(offset[0]), abs(offset[1])) <= LINEAR_PX and abs(turn_rad) <= LINEAR_RAD:
-            break
-    else:
-        return None
-    if np.abs(pose.centre_px - expected_px).max() > FARTHEST_PX:
-        return None
-    if costs.max() > DOUBTFUL_COST:
-        return _refitted(image, pose, reference.fit)
-    roof = Roof(pose.corners_px, last.roof.sides_measured, last.roof.walls_px)
-    return FollowedRoof(roof, pose, last.age + 1, reference)
+        if np.abs(offset).max() <= LINEAR_PX and abs(turn_rad) <= LINEAR_RAD:
+            return _Look(pose, trusted=bool(costs[seen].max() <= DOUBTFUL_COST))
+    return None
 
 
 def _refitted(image: ImageArray, pose: RoofPose, last: ProfileFit) -> FollowedRoof | None:
     """The roof by a fit of the whole model, started from the ``last`` one; it must still have the same colour."""
-    roof = _fitted(image, pose, last.walls_px)
+    roof = _fitted(image, pose, last.walls_px, followed=True)
     if roof is None:
         return None
     known, now = (colour.mean(axis=0) for colour in (last.roof, roof._reference.fit.roof))
@@ -91,21 +111,37 @@ def _refitted(image: ImageArray, pose: RoofPose, last: ProfileFit) -> FollowedRo
     return roof if departure <= SAME_COLOUR else None
 
 
-def _fitted(image: ImageArray, pose: RoofPose, walls_px: FloatArray | None) -> FollowedRoof | None:
+def _fitted(image: ImageArray, pose: RoofPose, walls_px: FloatArray | None, *, followed: bool) -> FollowedRoof | None:
+    """The roof near ``pose``. One that is followed keeps its size: if it seems shorter, something covers an end."""
     for _ in range(LOOKS):
         if not pose.inside(image):
             return None
         plan = WindowPlan.of(pose.size_px)
         profiles = plan.profiles(image, pose).astype(np.float64)
         fit = fit_profiles(profiles, plan, walls_px)
-        e0, e1, e2, e3 = fit.edges_px.tolist()
-        offset, growth = np.array([e1 - e3, e2 - e0]) / 2, np.array([e1 + e3, e0 + e2])
+        seen: BoolArray = fit.costs <= ODD_COST
+        if followed:
+            seen = seen & ~_covered(fit.edges_px)
+        if not (seen | seen[_OPPOSITE]).all():
+            return None
+        offset, growth = _motion(fit.edges_px, seen)
         pose = pose.moved(offset, fit.turn_rad).resized(growth)
         if np.abs(offset).max() <= LINEAR_PX and abs(fit.turn_rad) <= LINEAR_RAD:
             break
-    seen: BoolArray = fit.costs <= ODD_COST
-    if not (seen | seen[_OPPOSITE]).all():
-        return None
     plan = WindowPlan.of(pose.size_px)
     roof = Roof(pose.corners_px, seen, np.where(fit.walled, fit.walls_px, 0.0))
     return FollowedRoof(roof, pose, 0, _Reference(plan, fit, LinearModel.of(fit, plan)))
+
+
+def _motion(edges_px: FloatArray, seen: BoolArray) -> tuple[FloatArray, FloatArray]:
+    """Offset and growth (2,) along the long and the short axis; from one end alone where the other is not seen."""
+    forth, back = edges_px[_FORTH], edges_px[_BACK]
+    both = seen[_FORTH] & seen[_BACK]
+    offset = np.where(both, (forth - back) / 2, np.where(seen[_FORTH], forth, -back))
+    return offset, np.where(both, forth + back, 0.0)
+
+
+def _covered(edges_px: FloatArray) -> BoolArray:
+    """(4,) the sides that cannot be the roof's end, for the roof would be shorter: those farther off."""
+    shorter = edges_px + edges_px[_OPPOSITE] < -COVERED_PX
+    return np.asarray(shorter & (np.abs(edges_px) > np.abs(edges_px[_OPPOSITE])))

@@ -64,8 +64,12 @@ def test_identities_last_through_an_occlusion_and_every_vehicle_keeps_its_own(mo
     for index, ((_, boxes), tracks) in enumerate(zip(shots, watch(HybridTracker(models), shots), strict=True)):
         for number, label in zip(tracks.ids.tolist(), tracks.objects.labels, strict=True):
             numbers.setdefault(label, set()).add(number)
+        anchors = dict(zip(tracks.objects.labels, tracks.objects.anchors_px, strict=True))
         for box in boxes:
             u = box.centre_px[0]
+            hidden_px = max(0.0, min(u + 35, 420) - max(u - 35, 300))
+            if hidden_px < 0.2 * 70 and 35 <= u < 605 and box.label in anchors:
+                assert np.abs(anchors[box.label] - box.centre_px).max() < 0.6, (index, box)
             clear = u < 300 - 40 or u > 420 + 40 + 3 * 9  # re-found within three frames
             if clear:
                 assert box.label in tracks.objects.labels, (index, box)

@@ -70,7 +70,7 @@ def test_a_vehicle_on_a_curve_is_followed_without_drift(speed_px, turn_rad, lean
         step = np.subtract(after.centre_px, before.centre_px)
         image = draw(BACKGROUND, [after])
         followed = follow_roof(image, followed, followed.pose.displaced(step, turn_rad))
-        assert error_px(followed, after) < 0.25
+        assert error_px(followed, after) < 0.3
     if not leaning:  # a wall beside a shadow has more than one explanation
         assert np.abs(followed.pose.centre_px - full_px(image, followed)).max() < 0.03
 

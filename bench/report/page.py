@@ -65,8 +65,8 @@ def _verdict(run: ReportedRun) -> str:
 
 def _plan(run: ReportedRun, key: str, charts: dict[str, Figure]) -> str:
     says = (
-        "Lines: the true paths. Points: the fused positions. Dotted: what each calibrated camera sees of the floor. "
-        "Drag to enlarge, double-click to return."
+        "Lines: the true paths. Points: the fused positions. Arrows: the headings stated. "
+        "Dotted: what each calibrated camera sees of the floor. Drag to enlarge, double-click to return."
     )
     return section("The plan", says, chart(charts, f"{key}-plan", plan(run)))
 

@@ -15,6 +15,7 @@ from contracts import Camera, FloatArray
 _TRACK_STEP_M = 0.02
 _HEAT = [[0.0, "#f6dfae"], [0.35, "#eb9a4b"], [0.7, "#c2402a"], [1.0, "#5d0f1e"]]
 _CHART_WIDTH_PX, _EDGE_M = 1000, 0.05
+_HEADING_NS = 500_000_000  # between two headings drawn along a path
 _ARROW_M = 0.12  # length on the plan that an error at the 95 % quantile is drawn with
 _MAGNIFICATIONS = np.array([1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000])
 
@@ -23,7 +24,7 @@ Trace = dict[str, Any]
 
 def plan(run: ReportedRun) -> Figure:
     """Track, what each camera sees of the floor, the true paths and the fused positions."""
-    traces = [*_background(run), *_truths(run), *_estimates(run), *_misses(run), *_false_alarms(run)]
+    traces = [*_background(run), *_truths(run), *_estimates(run), _headings(run), *_misses(run), *_false_alarms(run)]
     return {"data": traces, "layout": _plan_layout(traces)}
 
 
@@ -110,6 +111,29 @@ def _estimates(run: ReportedRun) -> Iterator[Trace]:
     if not run.fused.frames:  # real footage: no truth to match with
         places = [step.fused.positions_m[step.fused.valid] for step in run.recording.steps]
         yield _markers("positions", np.concatenate([np.empty((0, 2)), *places]), {"color": INK, "size": 4})
+
+
+def _headings(run: ReportedRun) -> Trace:
+    """Now and then an arrow the way that each vehicle was said to go."""
+    rows: list[tuple[float, float, float]] = []
+    next_ns = 0
+    for step in run.recording.steps:
+        if step.time_ns < next_ns:
+            continue
+        next_ns = step.time_ns + _HEADING_NS
+        known = dict(zip(step.motions.ids.tolist(), step.motions.headings_rad.tolist(), strict=True))
+        headings_rad = np.array([known.get(identity, np.nan) for identity in step.fused.ids.tolist()])
+        drawn = step.fused.valid & np.isfinite(headings_rad)
+        clockwise_deg = 90.0 - np.degrees(headings_rad[drawn])  # from north, as the markers are turned
+        rows += np.column_stack([step.fused.positions_m[drawn], clockwise_deg]).tolist()
+    return {
+        "x": [row[0] for row in rows],
+        "y": [row[1] for row in rows],
+        "mode": "markers",
+        "marker": {"symbol": "arrow", "size": 13, "color": INK, "angle": [row[2] for row in rows]},
+        "showlegend": False,
+        "hoverinfo": "skip",
+    }
 
 
 def _misses(run: ReportedRun) -> Iterator[Trace]:

@@ -20,7 +20,7 @@ from rail.plant import Plant, Switch
 from rail.switch_status import spot_visible, status_from_flag
 
 WIDTH_PX = 1600  # of the picture, at most
-FINEST_PX_PER_M = 600.0
+FINEST_PX_PER_M = 1200.0
 MOMENTS = 2
 _SIDE = 0.12  # of the width: texts so near to a side run away from it
 _PAPER_BGR = (227, 233, 236)  # where no camera looks
@@ -133,6 +133,8 @@ def _table(vehicles: Sequence[PlacedVehicle], switches: dict[str, Switch], state
 def _switch_marks(grid: PlaneGrid, switches: dict[str, Switch], states: dict[str, SwitchState]) -> Iterator[str]:
     for name, switch in switches.items():
         u, v = grid.pixels(np.array(switch.spot_m)).tolist()
+        if not (0 <= u < grid.width_px and 0 <= v < grid.height_px):
+            continue
         state = states.get(name, SwitchState.UNKNOWN)
         shown = " on" if spot_visible(switch, state) else ""
         yield f'<circle class="switch{shown}" cx="{u:.1f}" cy="{v:.1f}" r="7"/>'

@@ -44,7 +44,8 @@ class Evaluation:
     masks: dict[str, list[Outlines]] = field(default_factory=dict)
     trackers: dict[str, list[Watched]] = field(default_factory=dict)
     regions: dict[float, list[Watched]] = field(default_factory=dict)
-    mosaic: Part | None = None
+    mosaic: Part | None = None  # of the first sequence with the most cameras
+    _cameras_shown: int = 0
 
     def add(self, shown: Film) -> None:
         """Show a film to every detector and tracker; the film itself is not kept."""
@@ -59,7 +60,8 @@ class Evaluation:
         for size, make_perceiver in TABLE_REGIONS.items():
             self.regions.setdefault(size, []).append(watch(shown, f"region {size:g}", make_perceiver))
         *_, own = self.trackers.values()
-        self.mosaic = self.mosaic or figure15(shown, own[-1])
+        if len(shown.manifest.true_cameras) > self._cameras_shown:
+            self.mosaic, self._cameras_shown = figure15(shown, own[-1]), len(shown.manifest.true_cameras)
 
     def parts(self) -> list[Part]:
         """All tables and figures. The first tracker is detection in every frame, the last one the chain's own."""

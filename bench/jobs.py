@@ -28,7 +28,7 @@ from georef.calibrated import CalibratedCamera
 from georef.camera_file import read_camera
 from scenarios.loader import list_scenarios, load_scenario
 from scenarios.schema import Scenario
-from scenarios.worlds import build_world
+from scenarios.worlds import build_world, geo_of
 
 SCORES_NAME = "scores.json"
 SAMPLES_NAME = "samples"
@@ -105,6 +105,7 @@ def manifest_of(
         survey=world.survey,
         true_cameras=world.cameras,
         calibrated_cameras=tuple(calibrated),
+        geo=geo_of(scenario),
     )
 
 

@@ -25,20 +25,30 @@ def true_camera(camera: Camera) -> CalibratedCamera:
     return CalibratedCamera(camera, np.zeros((len(PARAMETERS), len(PARAMETERS))))
 
 
-def locate(step: Step, _: tuple[Tracks, ...]) -> tuple[GroundTracks, ...]:
-    """The true positions as one view of the ground."""
-    truth = _truth_of(step)
-    n = len(truth.ids)
-    view = GroundTracks(
+class TrueLocation:
+    """The true positions as one view of the ground. Objects may come and go: each keeps its number."""
+
+    def __init__(self) -> None:
+        self._numbers: dict[str, int] = {}
+
+    def locate(self, step: Step, _: tuple[Tracks, ...]) -> tuple[GroundTracks, ...]:
+        """All objects of the truth."""
+        truth = _truth_of(step)
+        ids = [self._numbers.setdefault(name, len(self._numbers)) for name in truth.ids]
+        return (_true_view(truth, ids),)
+
+
+def _true_view(truth: Truth, ids: list[int]) -> GroundTracks:
+    n = len(ids)
+    return GroundTracks(
         source="truth",
         time_ns=truth.time_ns,
-        ids=np.arange(n),
+        ids=np.array(ids, dtype=np.int64),
         labels=truth.labels,
         positions_m=truth.positions_m[:, :2],
         covs_m2=np.zeros((n, 2, 2)),
         valid=np.ones(n, dtype=bool),
     )
-    return (view,)
 
 
 def _truth_of(step: Step) -> Truth:

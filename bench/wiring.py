@@ -206,7 +206,7 @@ def make_chain(stages: Stages, perceive: Perception, cameras: Sequence[Calibrate
     """The chain of a run over ``cameras``."""
     fuse, analyse = CovarianceFuser().fuse, stages.make_analyst().analyse
     if not stages.needs_film:
-        return Chain(perceive=perceive, locate=oracles.locate, fuse=fuse, analyse=analyse)
+        return Chain(perceive=perceive, locate=oracles.TrueLocation().locate, fuse=fuse, analyse=analyse)
     locator: Locator = LOCATORS[stages.locator]({calibrated.camera.name: calibrated for calibrated in cameras})
 
     def locate(_: Step, tracks: tuple[Tracks, ...]) -> tuple[GroundTracks, ...]:

@@ -7,13 +7,15 @@ import numpy as np
 
 from contracts import InputError
 from rail.plant import Plant
+from scenarios.network_file import load_network
 from scenarios.plant_file import load_plant
 from scenarios.rig_file import load_rig
-from scenarios.schema import Scenario
+from scenarios.schema import RailScenario, RoadScenario, Scenario
 from scenarios.variations import varied
 from sim.light_program import order_faults
 from sim.motion_check import KeyPath, MotionFaultError, check_motion
 from sim.surroundings import blocks_track
+from sim.traffic_check import TrafficFaultError, check_traffic
 
 Fault = tuple[KeyPath, str]
 
@@ -24,17 +26,18 @@ _HEADROOM_M = 0.005
 
 def faults(scenario: Scenario) -> Iterator[Fault]:
     """All that is wrong with ``scenario``: key and what, in the order of the file's keys."""
-    yield from _plant_faults(scenario)
+    if isinstance(scenario, RailScenario):
+        yield from _rail_faults(scenario)
+    if isinstance(scenario, RoadScenario):
+        yield from _road_faults(scenario)
     try:
         load_rig(scenario.rig)
     except InputError as error:
         yield ("rig",), str(error)
-    yield from ((("light_change", index), what) for index, what in order_faults(scenario.light_change))
-    yield from _surroundings_faults(scenario)
     yield from _expectation_faults(scenario)
-    for index, event in enumerate(scenario.event):
-        if event.at_s > scenario.duration_s:
-            yield ("event", index, "at_s"), f"{event.at_s} s comes after the end at {scenario.duration_s} s"
+    for index, at_s in enumerate(scenario.event_times_s):
+        if at_s > scenario.duration_s:
+            yield ("event", index, "at_s"), f"{at_s} s comes after the end at {scenario.duration_s} s"
     for key, values in scenario.vary.items():
         for value in values.extremes:
             try:
@@ -49,7 +52,27 @@ def plant_of(name: str) -> Plant:
     return load_plant(name)
 
 
-def _plant_faults(scenario: Scenario) -> Iterator[Fault]:
+def _rail_faults(scenario: RailScenario) -> Iterator[Fault]:
+    yield from _plant_faults(scenario)
+    yield from ((("light_change", index), what) for index, what in order_faults(scenario.light_change))
+    yield from _surroundings_faults(scenario)
+
+
+def _road_faults(scenario: RoadScenario) -> Iterator[Fault]:
+    try:
+        network = load_network(scenario.network)
+    except InputError as error:
+        yield ("network",), str(error)
+        return
+    try:
+        check_traffic(network, scenario.traffic)
+    except TrafficFaultError as error:
+        yield error.keys, str(error)
+    if scenario.expect.derail:
+        yield ("expect", "derail"), "nothing derails on a road"
+
+
+def _plant_faults(scenario: RailScenario) -> Iterator[Fault]:
     try:
         plant = plant_of(scenario.plant)
     except InputError as error:
@@ -61,7 +84,7 @@ def _plant_faults(scenario: Scenario) -> Iterator[Fault]:
         yield error.keys, str(error)
 
 
-def _surroundings_faults(scenario: Scenario) -> Iterator[Fault]:
+def _surroundings_faults(scenario: RailScenario) -> Iterator[Fault]:
     """Objects that a vehicle would run into."""
     try:
         plant = plant_of(scenario.plant)
@@ -78,7 +101,7 @@ def _surroundings_faults(scenario: Scenario) -> Iterator[Fault]:
 
 
 def _expectation_faults(scenario: Scenario) -> Iterator[Fault]:
-    ids = [vehicle.id for vehicle in scenario.vehicle]
+    ids = scenario.actors
     for key, groups in (("contact", scenario.expect.contact), ("derail", [(id_,) for id_ in scenario.expect.derail])):
         for index, group in enumerate(groups):
             for id_ in group:

@@ -1,5 +1,6 @@
 """Scenario files by name: found, read, checked."""
 
+import tomllib
 from collections.abc import Sequence
 from dataclasses import replace
 from difflib import get_close_matches
@@ -7,7 +8,7 @@ from pathlib import Path
 
 from contracts import InputError
 from scenarios.check import faults
-from scenarios.schema import Scenario
+from scenarios.schema import SCENARIO_TYPES, RailScenario, Scenario
 from scenarios.toml_file import dotted, line_of_key, read_toml
 from scenarios.worlds import build_world
 
@@ -27,7 +28,7 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
     Raises InputError naming file, line, key and the accepted values.
     """
     path = _path_of(name_or_path)
-    scenario = read_toml(path, Scenario)
+    scenario = read_toml(path, _type_of(path))
     if scenario.name not in ("", path.stem):
         raise InputError(
             f"{path}: key name: {scenario.name!r} differs from the file's name {path.stem!r}; leave it out"
@@ -36,6 +37,19 @@ def load_scenario(name_or_path: str | Path) -> Scenario:
         line = line_of_key(path.read_text(encoding="utf-8"), keys)
         raise InputError(f"{path}, line {line}: key {dotted(keys)}: {what}")
     return replace(scenario, name=path.stem)
+
+
+def _type_of(path: Path) -> type[Scenario]:
+    """What a file holds, by its key ``world``; a railway if there is none, or if the file cannot be read at all."""
+    try:
+        text = path.read_text(encoding="utf-8")
+        world = tomllib.loads(text).get("world", "rail")
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
+        return RailScenario  # whose reader says what is wrong
+    if not isinstance(world, str) or world not in SCENARIO_TYPES:
+        line = line_of_key(text, ("world",))
+        raise InputError(f"{path}, line {line}: key world: {world!r} is unknown; accepted: {', '.join(SCENARIO_TYPES)}")
+    return SCENARIO_TYPES[world]
 
 
 def _path_of(name_or_path: str | Path) -> Path:

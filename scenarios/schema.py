@@ -14,6 +14,7 @@ from sim.lights import LightPreset
 from sim.motion_spec import MotionSpec, SwitchSetting, TimedEvent, VehicleSpec
 from sim.sensor import SensorSpec
 from sim.surroundings import BridgeSpec, ObjectSpec, Surroundings
+from sim.traffic_spec import DriverSpec, RoadEvent, TrafficSpec, WalkerSpec
 
 MAX_FPS = 1000.0
 
@@ -75,40 +76,24 @@ class Range:
 
 @dataclass(frozen=True)
 class Scenario:
-    """One scenario, as its file says it.
+    """What every scenario says; a file holds a ``RailScenario`` or a ``RoadScenario``.
 
     name: the file's name without ``.toml``; filled in by the loader.
-    plant, rig: names of files in ``scenarios/plants`` and ``scenarios/rigs``.
+    rig: name of a file in ``scenarios/rigs``.
     split: whether models may learn from it (``"train"``) or it is kept for the test (``"test"``); neither if not said.
-    light: at the beginning. light_change: other lights that come up later, in order (``sim.light_program``).
-    sensor: of all cameras, instead of the rig's: noise, exposure, drift of the white balance (``sim.sensor``).
-    floor: colour and contrast of the floor (``sim.floor``).
-    object, bridge: what lies, stands or spans the track (``sim.surroundings``); marks and clutter make room for it.
-    highlight: mirror images of lamps in floor and roofs (``sim.highlights``).
-    switch: how switches lie at the beginning, by id; straight where not said.
+    light: at the beginning.
     vary: ranges by key, for example ``"vehicle.blue.speed_mps" = { min = 0.2, max = 0.4 }``.
     """
 
     title: str
-    plant: str
     rig: str
     light: LightPreset
     seed: Annotated[int, Meta(ge=0)]
     duration_s: Annotated[float, Meta(gt=0)]
     fps: Annotated[float, Meta(gt=0, le=MAX_FPS)]
     name: str = ""
-    world: Literal["rail"] = "rail"
+    world: str = ""
     split: Literal["train", "test"] | None = None
-    light_change: tuple[LightChange, ...] = ()
-    sensor: SensorSpec | None = None
-    floor: FloorSpec = field(default_factory=FloorSpec)
-    object: tuple[ObjectSpec, ...] = ()
-    bridge: tuple[BridgeSpec, ...] = ()
-    highlight: tuple[HighlightSpec, ...] = ()
-    switch: dict[str, SwitchSetting] = field(default_factory=dict)
-    switch_travel_s: float = 0.25
-    vehicle: tuple[VehicleSpec, ...] = ()
-    event: tuple[TimedEvent, ...] = ()
     expect: Expect = field(default_factory=Expect)
     vary: dict[str, Range] = field(default_factory=dict)
 
@@ -119,6 +104,56 @@ class Scenario:
             raise InputError(f"duration_s = {self.duration_s} must be finite and positive")
         if not 0 < self.fps <= MAX_FPS:
             raise InputError(f"fps = {self.fps} must lie in (0, {MAX_FPS:.0f}]")
+
+    @property
+    def actors(self) -> tuple[str, ...]:
+        """Ids of all whom the author names."""
+        return ()
+
+    @property
+    def event_times_s(self) -> tuple[float, ...]:
+        """When the author's events happen, in the order of the file."""
+        return ()
+
+    @property
+    def frame_count(self) -> int:
+        """Number of frames of each camera; the first is taken at time 0."""
+        return max(1, round(self.duration_s * self.fps))
+
+    @property
+    def frame_times_ns(self) -> tuple[int, ...]:
+        """Mid-exposure of each frame."""
+        return tuple(round(k * 1e9 / self.fps) for k in range(self.frame_count))
+
+
+@dataclass(frozen=True, kw_only=True)
+class RailScenario(Scenario):
+    """A scenario of the model railway.
+
+    plant: name of a file in ``scenarios/plants``.
+    light_change: other lights that come up later, in order (``sim.light_program``).
+    sensor: of all cameras, instead of the rig's: noise, exposure, drift of the white balance (``sim.sensor``).
+    floor: colour and contrast of the floor (``sim.floor``).
+    object, bridge: what lies, stands or spans the track (``sim.surroundings``); marks and clutter make room for it.
+    highlight: mirror images of lamps in floor and roofs (``sim.highlights``).
+    switch: how switches lie at the beginning, by id; straight where not said.
+    """
+
+    plant: str
+    world: Literal["rail"] = "rail"
+    light_change: tuple[LightChange, ...] = ()
+    sensor: SensorSpec | None = None
+    floor: FloorSpec = field(default_factory=FloorSpec)
+    object: tuple[ObjectSpec, ...] = ()
+    bridge: tuple[BridgeSpec, ...] = ()
+    highlight: tuple[HighlightSpec, ...] = ()
+    switch: dict[str, SwitchSetting] = field(default_factory=dict)
+    switch_travel_s: float = 0.25
+    vehicle: tuple[VehicleSpec, ...] = ()
+    event: tuple[TimedEvent, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
         _ = self.motion  # its checks are ours
 
     @property
@@ -132,11 +167,50 @@ class Scenario:
         return Surroundings(self.floor, self.object, self.bridge, self.highlight)
 
     @property
-    def frame_count(self) -> int:
-        """Number of frames of each camera; the first is taken at time 0."""
-        return max(1, round(self.duration_s * self.fps))
+    def actors(self) -> tuple[str, ...]:
+        """Ids of the vehicles."""
+        return tuple(vehicle.id for vehicle in self.vehicle)
 
     @property
-    def frame_times_ns(self) -> tuple[int, ...]:
-        """Mid-exposure of each frame."""
-        return tuple(round(k * 1e9 / self.fps) for k in range(self.frame_count))
+    def event_times_s(self) -> tuple[float, ...]:
+        """When the events happen."""
+        return tuple(event.at_s for event in self.event)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RoadScenario(Scenario):
+    """A scenario of road traffic.
+
+    network: name of a folder in ``scenarios/networks``.
+    density: of the network's own traffic: 0 none, 1 as the network's file says.
+    vehicle, walker: who does what the author says, beside that traffic.
+    """
+
+    network: str
+    world: Literal["road"] = "road"
+    density: float = 1.0
+    vehicle: tuple[DriverSpec, ...] = ()
+    walker: tuple[WalkerSpec, ...] = ()
+    event: tuple[RoadEvent, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _ = self.traffic  # its checks are ours
+
+    @property
+    def traffic(self) -> TrafficSpec:
+        """Who is on the road."""
+        return TrafficSpec(self.vehicle, self.walker, self.event, self.density)
+
+    @property
+    def actors(self) -> tuple[str, ...]:
+        """Ids of the vehicles and walkers."""
+        return tuple(one.id for one in self.vehicle) + tuple(one.id for one in self.walker)
+
+    @property
+    def event_times_s(self) -> tuple[float, ...]:
+        """When the events happen."""
+        return tuple(event.at_s for event in self.event)
+
+
+SCENARIO_TYPES: dict[str, type[Scenario]] = {"rail": RailScenario, "road": RoadScenario}

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from rail.graph import Location, pose_at
 from rail.plant import Plant
 from scenarios.check import plant_of
-from scenarios.schema import Scenario
+from scenarios.schema import RailScenario
 from sim.boxes import Box
 from sim.colours import Colour
 from sim.lights import LightPreset
@@ -101,7 +101,9 @@ def _motion_from(draw: st.DrawFn, plant: Plant, places: list[tuple[str, float]],
     return MotionSpec(moving, tuple(draw(events)), draw(settings(plant)))
 
 
-def scenarios(plant: str = "oval", rig: str = "two_overhead", duration_s: float = 2.0) -> st.SearchStrategy[Scenario]:
+def scenarios(
+    plant: str = "oval", rig: str = "two_overhead", duration_s: float = 2.0
+) -> st.SearchStrategy[RailScenario]:
     """Whole scenarios of ``duration_s`` without expectations."""
     return st.builds(
         _scenario,
@@ -115,8 +117,8 @@ def scenarios(plant: str = "oval", rig: str = "two_overhead", duration_s: float 
     )
 
 
-def _scenario(motion: MotionSpec, **keys: Any) -> Scenario:
-    return Scenario(
+def _scenario(motion: MotionSpec, **keys: Any) -> RailScenario:
+    return RailScenario(
         title="Drawn by Hypothesis",
         vehicle=motion.vehicles,
         event=motion.events,

@@ -1,7 +1,7 @@
 """Variants of a scenario: what its ``[vary]`` lets float is drawn from a seed."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import msgspec
@@ -30,11 +30,11 @@ def varied(scenario: Scenario, values: Mapping[str, Value]) -> Scenario:
     Entries of lists go by their id or, from 0, by their number. Raises InputError for a key that is not there or a
     value that it cannot take.
     """
-    document = msgspec.json.decode(msgspec.json.encode(scenario))
+    document = msgspec.json.decode(msgspec.json.encode(asdict(scenario)))
     for key, value in values.items():
         _set(document, key, value)
     try:
-        return msgspec.convert(document, Scenario)
+        return msgspec.convert(document, type(scenario))
     except msgspec.ValidationError as error:
         raise InputError(f"{', '.join(values)} cannot be {', '.join(map(str, values.values()))}: {error}") from error
 

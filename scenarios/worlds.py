@@ -2,12 +2,15 @@
 
 from contracts.truth import World
 from scenarios.check import plant_of
+from scenarios.network_file import load_network, routes_of
 from scenarios.rig_file import load_rig
-from scenarios.schema import Scenario
+from scenarios.schema import RailScenario, RoadScenario, Scenario
 from sim.light_program import LightProgram
 from sim.rail_motion import RailMotion
 from sim.rail_world import RailWorld
 from sim.renderer import RendererName
+from sim.road_world import RoadWorld
+from sim.traffic import TrafficMotion
 
 
 def build_world(
@@ -27,6 +30,11 @@ def build_world(
     renderer: ``layered``, or ``full``, its slow oracle.
     """
     seed = scenario.seed if seed is None else seed
+    if isinstance(scenario, RoadScenario):
+        network = load_network(scenario.network)
+        motion = TrafficMotion(network, routes_of(network), scenario.traffic, seed)
+        return RoadWorld(motion, scenario.frame_times_ns, rig=load_rig(scenario.rig), seed=seed, film=film)
+    assert isinstance(scenario, RailScenario)
     plant = plant_of(scenario.plant)
     return RailWorld(
         plant,
@@ -42,3 +50,8 @@ def build_world(
         surroundings=scenario.surroundings,
         sensor=scenario.sensor,
     )
+
+
+def geo_of(scenario: Scenario) -> str | None:
+    """PROJ string of the world's metres where it lies somewhere on the globe; None for a plant in a room."""
+    return str(load_network(scenario.network).geo.crs.srs) if isinstance(scenario, RoadScenario) else None

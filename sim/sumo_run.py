@@ -41,6 +41,8 @@ class SumoRun:
     def __init__(self, network: RoadNetwork, routes: Path | None, spec: TrafficSpec, seed: int) -> None:
         self._network, self._routes, self._spec, self._seed = network, routes, spec, seed
         self._kinds: dict[str, str] = {}
+        self._modes = {driver.id: _speed_mode(driver) for driver in spec.drivers}
+        self._braking: dict[str, float] = {}
         self._held: dict[str, tuple[tuple[float, float], float]] = {}
 
     def __enter__(self) -> "SumoRun":
@@ -67,6 +69,10 @@ class SumoRun:
         """One step on; where everybody is who is on the road."""
         for id_, (front_m, angle_deg) in self._held.items():
             _hold(id_, front_m, angle_deg)
+        there = set(libsumo.vehicle.getIDList())
+        for id_, braking_mps2 in self._braking.items():
+            if id_ in there:
+                libsumo.vehicle.setSpeed(id_, max(0.0, libsumo.vehicle.getSpeed(id_) - braking_mps2 * STEP_S))
         libsumo.simulationStep()
         vehicles, persons = libsumo.vehicle, libsumo.person
         return {id_: self._sample(vehicles, id_) for id_ in vehicles.getIDList()} | {
@@ -77,12 +83,13 @@ class SumoRun:
         """Brake or go on."""
         if event.vehicle not in libsumo.vehicle.getIDList():
             return
-        if event.do == "go":
-            libsumo.vehicle.setSpeed(event.vehicle, -1.0)
+        if event.do == "brake":
+            self._braking[event.vehicle] = event.braking_mps2
+            libsumo.vehicle.setSpeedMode(event.vehicle, 0)
             return
-        duration_s = libsumo.vehicle.getSpeed(event.vehicle) / event.braking_mps2
-        libsumo.vehicle.setSpeedMode(event.vehicle, 0)
-        libsumo.vehicle.slowDown(event.vehicle, 0.0, max(duration_s, STEP_S))
+        self._braking.pop(event.vehicle, None)
+        libsumo.vehicle.setSpeed(event.vehicle, -1.0)
+        libsumo.vehicle.setSpeedMode(event.vehicle, self._modes[event.vehicle])
 
     def hold(self, id_: str, front_m: tuple[float, float], angle_deg: float) -> None:
         """Keep somebody where a contact left them, so that the others see them there."""
@@ -146,7 +153,11 @@ def _enter(driver: DriverSpec) -> None:
         departPos=str(driver.offset_m),
         departSpeed=str(driver.speed_mps),
     )
-    libsumo.vehicle.setSpeedMode(driver.id, _CAREFUL + sum(_MODES[what] for what in set(driver.ignores)))
+    libsumo.vehicle.setSpeedMode(driver.id, _speed_mode(driver))
+
+
+def _speed_mode(driver: DriverSpec) -> int:
+    return _CAREFUL + sum(_MODES[what] for what in set(driver.ignores))
 
 
 def _hold(id_: str, front_m: tuple[float, float], angle_deg: float) -> None:

@@ -18,7 +18,7 @@ from bench.scoring.stages import StageErrors, split
 from rail.plant import Plant
 from scenarios.check import plant_of
 from scenarios.loader import list_scenarios, load_scenario
-from scenarios.schema import Scenario
+from scenarios.schema import RailScenario, Scenario
 from sim.colours import PALETTE, Colour
 
 _OTHERS = ("#1b6ca8", "#b5562b", "#4a8a3a", "#7a4fa3", "#a8862b", "#3a8f8a", "#a33f6b", "#5b6470")
@@ -69,7 +69,7 @@ def read_run(directory: Path) -> ReportedRun:
         cameras=cameras,
         seen=seen,
         stages=split(recording, list(seen.items())),
-        plant=plant_of(scenario.plant) if scenario else None,
+        plant=plant_of(scenario.plant) if isinstance(scenario, RailScenario) else None,
     )
 
 

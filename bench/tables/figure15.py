@@ -5,13 +5,14 @@ from bench.tables.films import Film, Watched
 from bench.tables.part import Part
 from georef.mosaic import mosaic
 from scenarios.check import plant_of
+from scenarios.schema import RailScenario
 
 
 def figure15(shown: Film, watched: Watched) -> Part | None:
-    """The moment in the middle of a film as ``watched`` saw it; None where the cameras' views have no bounds."""
+    """The moment in the middle of a film as ``watched`` saw it; None without bounded views or a plant."""
     cameras = [one.camera for one in shown.manifest.calibrated_cameras]
     grid = grid_of(cameras)
-    if grid is None:
+    if grid is None or not isinstance(shown.scenario, RailScenario):
         return None
     middle = len(shown.steps) // 2
     picture = mosaic({frame.camera: frame.image for frame in shown.steps[middle].frames}, cameras, grid)

@@ -10,7 +10,7 @@ import pytest
 from contracts import EventKind
 from contracts.truth import Truth
 from scenarios.loader import build_world, list_scenarios, load_scenario
-from scenarios.schema import Scenario
+from scenarios.schema import RailScenario, Scenario
 from sim.colours import Colour
 
 JUMP_M = 1e-3  # more than rounding, less than any way that speed and limits do not explain
@@ -34,7 +34,10 @@ def test_what_the_scenario_expects_happens_and_nothing_else(name):
     assert subjects(truths, EventKind.DERAIL) == {(id_,) for id_ in scenario.expect.derail}
 
 
-@pytest.mark.parametrize("name", list_scenarios())
+RAIL = [name for name in list_scenarios() if isinstance(load_scenario(name), RailScenario)]
+
+
+@pytest.mark.parametrize("name", RAIL)
 def test_nothing_jumps_in_the_scenario(name):
     scenario, truths = truths_of(name)
     frame_s = 1.0 / scenario.fps

@@ -6,6 +6,7 @@ import pytest
 from contracts import InputError
 from scenarios.loader import LIBRARY, build_world, list_scenarios, load_scenario
 from scenarios.schema import Bound
+from scenarios.variations import variants
 from sim.colours import Colour
 
 TEXT = (LIBRARY / "head-on-passing-loop.toml").read_text(encoding="utf-8")
@@ -52,7 +53,7 @@ def test_a_file_that_is_not_there_is_named(tmp_path):
         ("duration_s = 6.0", "duration_s = 0.0", ["line 7", "key duration_s", "> 0"]),
         ("fps = 25", "fps = nan", ["line 8", "fps", "nan"]),
         ("fps = 25", "fps = 0", ["line 8", "key fps", "> 0"]),
-        ('world = "rail"', 'world = "road"', ["line 2", "world", "rail"]),
+        ('world = "rail"', 'world = "moon"', ["line 2", "world", "rail", "road"]),
         ('plant = "oval"', 'plant = "ovel"', ["line 3", "plant", "'ovel'", "oval"]),
         ('rig = "two_overhead"', 'rig = "three"', ["line 4", "rig", "'three'", "two_overhead"]),
         ('light = "dusk"', 'light = "dark"', ["line 5", "light", "dusk", "sunny"]),
@@ -112,3 +113,70 @@ def test_another_seed_hangs_the_cameras_elsewhere_and_leaves_the_traffic_alone()
     assert (own.cameras[0].pose.position_m != other.cameras[0].pose.position_m).any()
     for a, b in zip(own.steps(), other.steps(), strict=True):
         assert (a.truth.positions_m == b.truth.positions_m).all()
+
+
+ROAD = """title = "A walker"
+world = "road"
+network = "avenue"
+rig = "avenue_poles"
+light = "sunny"
+seed = 1
+duration_s = 2.0
+fps = 25
+density = 0.0
+
+[[vehicle]]
+id = "car"
+kind = "saloon"
+route = ["eastward"]
+
+[[event]]
+at_s = 1.0
+vehicle = "car"
+do = "brake"
+
+[expect]
+contact = []
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('network = "avenue"', 'network = "road"', ["line 3", "network", "avenue, avenue_grade"]),
+        ('network = "avenue"', 'plant = "oval"', ["line 3", "plant", "unknown key"]),
+        ('rig = "avenue_poles"', 'rig = "poles"', ["line 4", "rig", "avenue_poles"]),
+        ("density = 0.0", "density = 9.0", ["density", "[0, 3]"]),
+        ('kind = "saloon"', 'kind = "tank"', ["vehicle", "tank", "saloon"]),
+        ('["eastward"]', '["north"]', ["line 14", "vehicle[0].route", "north", "eastward"]),
+        ('["eastward"]', '["eastward"]\nignores = ["rain"]', ["line 15", "ignores", "signals"]),
+        ('vehicle = "car"', 'vehicle = "bus"', ["line 18", "event[0].vehicle", "bus"]),
+        ("at_s = 1.0", "at_s = 3.0", ["line 17", "comes after the end"]),
+        ('do = "brake"', 'do = "stop"', ["line 19", "brake, go"]),
+        ("contact = []", 'contact = [["car", "car2"]]', ["line 22", "car2"]),
+        ("contact = []", 'derail = ["car"]', ["line 22", "derails"]),
+    ],
+)
+def test_what_is_wrong_in_a_road_scenario_is_told_with_file_line_and_key(tmp_path, old, new, words):
+    path = written(tmp_path, ROAD.replace(old, new, 1))
+    with pytest.raises(InputError) as refusal:
+        load_scenario(path)
+    message = str(refusal.value)
+    for word in [str(path), *words]:
+        assert word in message
+
+
+def test_a_road_is_a_world_at_the_level_of_truth_and_cannot_be_filmed_yet(tmp_path):
+    scenario = load_scenario(written(tmp_path, ROAD))
+    steps = list(build_world(scenario, film=False).steps())
+    assert len(steps) == 50
+    assert steps[-1].truth.labels == ("car",)
+    with pytest.raises(InputError, match="--oracle locate"):
+        build_world(scenario)
+
+
+def test_a_key_of_a_road_scenario_may_vary(tmp_path):
+    text = ROAD.replace("[expect]", '[vary]\n"vehicle.car.depart_s" = { min = -3, max = -1 }\n[expect]')
+    scenario = load_scenario(written(tmp_path, text))
+    (one,) = variants(scenario, 1)
+    assert -3 <= one.vehicle[0].depart_s <= -1

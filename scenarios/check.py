@@ -34,6 +34,7 @@ def faults(scenario: Scenario) -> Iterator[Fault]:
         load_rig(scenario.rig)
     except InputError as error:
         yield ("rig",), str(error)
+    yield from ((("light_change", index), what) for index, what in order_faults(scenario.light_change))
     yield from _expectation_faults(scenario)
     for index, at_s in enumerate(scenario.event_times_s):
         if at_s > scenario.duration_s:
@@ -54,7 +55,6 @@ def plant_of(name: str) -> Plant:
 
 def _rail_faults(scenario: RailScenario) -> Iterator[Fault]:
     yield from _plant_faults(scenario)
-    yield from ((("light_change", index), what) for index, what in order_faults(scenario.light_change))
     yield from _surroundings_faults(scenario)
 
 

@@ -81,7 +81,7 @@ class Scenario:
     name: the file's name without ``.toml``; filled in by the loader.
     rig: name of a file in ``scenarios/rigs``.
     split: whether models may learn from it (``"train"``) or it is kept for the test (``"test"``); neither if not said.
-    light: at the beginning.
+    light: at the beginning. light_change: other lights that come up later, in order (``sim.light_program``).
     vary: ranges by key, for example ``"vehicle.blue.speed_mps" = { min = 0.2, max = 0.4 }``.
     """
 
@@ -93,6 +93,7 @@ class Scenario:
     fps: Annotated[float, Meta(gt=0, le=MAX_FPS)]
     name: str = ""
     world: str = ""
+    light_change: tuple[LightChange, ...] = ()
     split: Literal["train", "test"] | None = None
     expect: Expect = field(default_factory=Expect)
     vary: dict[str, Range] = field(default_factory=dict)
@@ -131,7 +132,6 @@ class RailScenario(Scenario):
     """A scenario of the model railway.
 
     plant: name of a file in ``scenarios/plants``.
-    light_change: other lights that come up later, in order (``sim.light_program``).
     sensor: of all cameras, instead of the rig's: noise, exposure, drift of the white balance (``sim.sensor``).
     floor: colour and contrast of the floor (``sim.floor``).
     object, bridge: what lies, stands or spans the track (``sim.surroundings``); marks and clutter make room for it.
@@ -141,7 +141,6 @@ class RailScenario(Scenario):
 
     plant: str
     world: Literal["rail"] = "rail"
-    light_change: tuple[LightChange, ...] = ()
     sensor: SensorSpec | None = None
     floor: FloorSpec = field(default_factory=FloorSpec)
     object: tuple[ObjectSpec, ...] = ()

@@ -19,7 +19,8 @@ from georef.mosaic import Mosaic, PlaneGrid, mosaic
 from rail.plant import Plant, Switch
 from rail.switch_status import spot_visible, status_from_flag
 
-WIDTH_PX = 1600  # of the picture, at most
+WIDTH_PX, HEIGHT_PX = 1600, 1000  # of the picture, at most
+SHOWN_SCALE = 0.7  # CSS pixels for each of them
 FINEST_PX_PER_M = 1200.0
 MOMENTS = 2
 _SIDE = 0.12  # of the width: texts so near to a side run away from it
@@ -67,8 +68,9 @@ def mosaics_html(run: ReportedRun) -> str:
 def grid_of(cameras: Sequence[Camera]) -> PlaneGrid | None:
     """A grid over all that the cameras see of the floor, as fine as fits; None where that has no bounds."""
     try:
-        coarse = PlaneGrid.around(cameras, px_per_m=1.0)
-        return PlaneGrid.around(cameras, px_per_m=min(FINEST_PX_PER_M, WIDTH_PX / coarse.width_px))
+        coarse = PlaneGrid.around(cameras, px_per_m=100.0)
+        fits_px_per_m = coarse.px_per_m * min(WIDTH_PX / coarse.width_px, HEIGHT_PX / coarse.height_px)
+        return PlaneGrid.around(cameras, px_per_m=min(FINEST_PX_PER_M, fits_px_per_m))
     except InputError:  # no camera, or one that sees the horizon
         return None
 
@@ -93,7 +95,8 @@ def mosaic_figure(picture: Mosaic, step: RecordedStep, vehicles: Sequence[Placed
     states = (step.truth.switches or {}) if step.truth else {}
     marks = [*_switch_marks(picture.grid, switches, states), *_vehicle_marks(picture.grid, vehicles)]
     image = f'<image x="-0.5" y="-0.5" width="{width}" height="{height}" href="{data_url(on_paper(picture))}"/>'
-    svg = f'<svg class="frame mosaic" viewBox="-0.5 -0.5 {width} {height}">{image}{"".join(marks)}</svg>'
+    view = f'viewBox="-0.5 -0.5 {width} {height}" style="max-width:{SHOWN_SCALE * width:.0f}px"'
+    svg = f'<svg class="frame mosaic" {view}>{image}{"".join(marks)}</svg>'
     caption = f"{step.time_ns / 1e9:.2f} s, {1000 / picture.grid.px_per_m:.1f} mm per pixel"
     return f"<figure>{svg}<figcaption>{caption}</figcaption>{_table(vehicles, switches, states)}</figure>"
 

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from contracts import BoolArray, FloatArray, ImageArray
@@ -11,6 +12,7 @@ from perception.silhouette import Silhouette
 from perception.view import LocalView, RoofView
 
 FARTHEST_PX = 6.0  # the measured middle is not farther than this from the rough one
+MARGIN_PX = 14  # of the image round the silhouette in which the roof is measured
 ODD_SIZE = 0.12  # a size that departs from the usual one by more than this share is not the whole roof's
 ODD_RATIO = 0.05  # nor are both, if their ratio departs by more than this; a lens changes it by 4 % near the border
 
@@ -41,14 +43,17 @@ def find_anchor(image: ImageArray, silhouette: Silhouette, model: ColourModel, v
 
 def roof_in(image: ImageArray, silhouette: Silhouette, view: LocalView) -> Roof | None:
     """The roof measured within a silhouette; None where no roof can be told from the walls."""
-    (left, top), (height, width) = silhouette.origin_px, silhouette.mask.shape
-    window = image[top : top + height, left : left + width]
-    seed = seed_quad(window, silhouette.mask, -view.lean_px)
+    left, top, width, height = cv2.boundingRect(silhouette.mask)
+    low = np.maximum([left - MARGIN_PX, top - MARGIN_PX], 0)
+    near = slice(low[1], top + height + MARGIN_PX), slice(low[0], left + width + MARGIN_PX)
+    (u, v), mask = silhouette.origin_px, silhouette.mask[near]
+    window = image[v:, u:][: silhouette.mask.shape[0], : silhouette.mask.shape[1]][near]
+    seed = seed_quad(window, mask, -view.lean_px)
     if seed is None:
         return None
     roof = measure_roof(window, seed, view.lean_px)
-    near = np.abs(roof.centre_px - seed.mean(axis=0)).max() <= FARTHEST_PX
-    return roof.shifted(silhouette.origin_px) if near else None
+    believed = np.abs(roof.centre_px - seed.mean(axis=0)).max() <= FARTHEST_PX
+    return roof.shifted(silhouette.origin_px + low) if believed else None
 
 
 def complete_roof(roof: Roof, model: ColourModel, view: LocalView) -> Anchor:

@@ -34,8 +34,8 @@ WALL_STARTS_PX = (1.0, 4.0)  # the fit may find another minimum from each
 _ITERATIONS = 8
 _LARGEST_STEP = np.array([1.0, 1.0, 0.2])
 _DAMPING = 1e-3
-_SETTLED_PX = 0.005
-_SETTLED_COST = 0.01
+_SETTLED_PX = 0.02
+_SETTLED_COST = 0.1
 
 
 @dataclass(frozen=True, eq=False)

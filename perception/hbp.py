@@ -21,7 +21,7 @@ from perception.view import RoofView
 
 PROPOSALS = 3  # windows looked at per colour before giving up
 DENSITY_MIN = 0.25  # share of the square that must have the colour
-CELLS_ACROSS = 6.0  # the roof's short side covers at least so many cells of the coarse image
+CELLS_ACROSS = 4.5  # the roof's short side covers at least so many cells of the coarse image
 
 
 class HistogramBackProjection:

@@ -5,6 +5,7 @@ is therefore sought as an even brightness, then its four sides are measured one 
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -19,7 +20,7 @@ STRAIGHT_PX = 2.0  # a straight edge departs from the pixels' outline by no more
 LEAST_SIDE_PX = 8.0  # a smaller patch has no sides to measure
 SIDE_SHARE = 0.8  # of each side's length that is measured; corners are rounded by blur
 EVEN = 0.12  # a pixel of the roof departs from the plane of brightness by less than this share
-THINNING = 2  # of the pixels that brightness is fitted to
+THINNING = 3  # of the pixels that brightness is fitted to
 LEAST_PIXELS = 8
 ROUNDS = 3  # of sampling and line fitting; fewer where one ...
 NEAR_PX = 1.0  # moves no end of a side by more than this
@@ -30,6 +31,9 @@ ODD_TIMES, ODD_SHARE = 3.0, 0.15  # a caliper is odd beyond so many times the us
 CROSSING_REACH_PX = 4.0
 ON_LINE_PX = 0.8  # crossings so near to the line belong to it
 _T_PX = np.arange(-REACH_PX, REACH_PX + 0.5)
+_SEEN_PX = 3.0  # beyond a caliper's foot, that must lie in the image
+_SPREAD = np.linspace(-SIDE_SHARE / 2, SIDE_SHARE / 2, CALIPERS)
+_NEXT, _BEFORE = np.array([1, 2, 3, 0]), np.array([3, 0, 1, 2])
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,9 +51,8 @@ class Roof:
 
     @property
     def centre_px(self) -> FloatArray:
-        """(2,) where the lines through the middles of opposite sides meet."""
-        middles = (self.quad_px + np.roll(self.quad_px, -1, axis=0)) / 2
-        return np.asarray(middles.mean(axis=0))
+        """(2,) mean of the corners, where the lines through the middles of opposite sides meet."""
+        return np.asarray(self.quad_px.mean(axis=0))
 
     def shifted(self, by_px: FloatArray | IntArray) -> "Roof":
         """The same roof, seen from an origin that lies ``by_px`` (2,) before this one."""
@@ -57,15 +60,14 @@ class Roof:
 
     def turned(self) -> "Roof":
         """The same roof with its sides counted from the next one on, so that the axes change their names."""
-        sides = np.roll(np.arange(4), -1)
-        return Roof(self.quad_px[sides], self.sides_measured[sides], self.walls_px[sides])
+        return Roof(self.quad_px[_NEXT], self.sides_measured[_NEXT], self.walls_px[_NEXT])
 
     @property
     def axes(self) -> FloatArray:
         """(2, 2) unit vectors along the long and the short side; corner 2 is forward in both."""
-        sides = np.roll(self.quad_px, -1, axis=0) - self.quad_px
-        both = np.array([sides[0] - sides[2], sides[1] - sides[3]])
-        return np.asarray(both / np.linalg.norm(both, axis=1, keepdims=True))
+        sides = self.quad_px[_NEXT] - self.quad_px
+        both = sides[:2] - sides[2:]
+        return np.asarray(both / _length(both)[:, None])
 
     @property
     def ends_measured(self) -> BoolArray:
@@ -75,8 +77,8 @@ class Roof:
     @property
     def size_px(self) -> tuple[float, float]:
         """Long and short side."""
-        lengths = np.linalg.norm(np.roll(self.quad_px, -1, axis=0) - self.quad_px, axis=1)
-        return float(lengths[0] + lengths[2]) / 2, float(lengths[1] + lengths[3]) / 2
+        a, b, c, d = _length(self.quad_px[_NEXT] - self.quad_px).tolist()
+        return (a + c) / 2, (b + d) / 2
 
 
 def seed_quad(image: ImageArray, mask: ImageArray, outward: FloatArray) -> FloatArray | None:
@@ -100,17 +102,18 @@ def seed_quad(image: ImageArray, mask: ImageArray, outward: FloatArray) -> Float
         if even.sum() < LEAST_PIXELS:
             return None
         design = places[even]
-        plane = np.linalg.lstsq(design.T @ design, brightness[even] @ design, rcond=None)[0]
+        plane = np.linalg.solve(design.T @ design + np.eye(3) * 1e-6, brightness[even] @ design)
         even = np.abs(brightness - places @ plane) < EVEN
     return _largest_rectangle(mask & _even(image, colour, plane))
 
 
-def _even(image: ImageArray, colour: FloatArray, plane: FloatArray) -> ImageArray:
+def _even(image: ImageArray, colour: NDArray[np.floating[Any]], plane: FloatArray) -> ImageArray:
     """(H, W) 1 where the brightness, ``colour`` (3,) times a pixel, is nearly that of the plane (3,) of u, v, 1."""
-    brightness = cv2.transform(image.astype(np.float32), colour[None])  # (H, W)
+    departure = cv2.transform(image.astype(np.float32), colour[None])  # (H, W)
     height, width = image.shape[:2]
-    expected = (np.arange(height) * plane[1] + plane[2])[:, None] + np.arange(width) * plane[0]
-    return np.asarray(np.abs(brightness - expected) < EVEN, np.uint8)
+    departure -= (np.arange(height) * plane[1] + plane[2]).astype(np.float32)[:, None]
+    departure -= (np.arange(width) * plane[0]).astype(np.float32)
+    return np.asarray(np.abs(departure) < EVEN, np.uint8)
 
 
 def _largest_rectangle(mask: ImageArray) -> FloatArray | None:
@@ -192,13 +195,12 @@ class _Lines:
         """Shifted outwards by ``offsets_px`` (4,) and turned by ``slopes`` (4,), px outwards per px along."""
         middles = self.middles + offsets_px[:, None] * self.normals
         directions = self.directions + slopes[:, None] * self.normals
-        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
         return _lines_of(_meets(middles, directions))
 
     @property
     def along_px(self) -> FloatArray:
         """(4, C) places of the calipers along each side, from its middle."""
-        return np.linspace(-SIDE_SHARE / 2, SIDE_SHARE / 2, CALIPERS)[None, :] * self.lengths[:, None]
+        return _SPREAD * self.lengths[:, None]
 
     @property
     def corners_px(self) -> FloatArray:
@@ -206,18 +208,18 @@ class _Lines:
 
 
 def _lines_of(quad_px: FloatArray) -> _Lines:
-    sides = np.roll(quad_px, -1, axis=0) - quad_px
-    lengths = np.linalg.norm(sides, axis=1)
+    sides = quad_px[_NEXT] - quad_px
+    lengths = _length(sides)
     directions = sides / lengths[:, None]
-    normals = np.stack([directions[:, 1], -directions[:, 0]], axis=1)
-    middles = quad_px + sides / 2
-    outward = ((middles - quad_px.mean(axis=0)) * normals).sum(axis=1, keepdims=True)
-    return _Lines(middles, directions, normals * np.sign(outward), lengths)
+    diagonals = quad_px[2:] - quad_px[:2]  # (2, 2)
+    turning = diagonals[0, 0] * diagonals[1, 1] - diagonals[0, 1] * diagonals[1, 0]
+    normals = directions[:, ::-1] * ((1.0, -1.0) if turning > 0 else (-1.0, 1.0))
+    return _Lines(quad_px + sides / 2, directions, normals, lengths)
 
 
 def _meets(points: FloatArray, directions: FloatArray) -> FloatArray:
     """Corners (4, 2): where each line meets the one before it, so that side k runs from corner k to k + 1."""
-    p, d = np.roll(points, 1, axis=0), np.roll(directions, 1, axis=0)
+    p, d = points[_BEFORE], directions[_BEFORE]
     gap = points - p
     along = (gap[:, 0] * directions[:, 1] - gap[:, 1] * directions[:, 0]) / (
         d[:, 0] * directions[:, 1] - d[:, 1] * directions[:, 0]
@@ -227,13 +229,13 @@ def _meets(points: FloatArray, directions: FloatArray) -> FloatArray:
 
 def _profiles(pixels: NDArray[np.float32], lines: _Lines) -> tuple[FloatArray, BoolArray]:
     """Colours (4, C, T, 3) along C calipers across each side, and which calipers (4, C) lie inside the image."""
-    foot = lines.middles[:, None] + lines.along_px[..., None] * lines.directions[:, None]  # (4, C, 2)
-    places = foot[:, :, None] + _T_PX[None, None, :, None] * lines.normals[:, None, None]  # (4, C, T, 2)
-    u, v = np.moveaxis(places.reshape(4 * CALIPERS, len(_T_PX), 2).astype(np.float32), -1, 0)
+    along = lines.along_px
+    foot = lines.middles.T[:, :, None] + along * lines.directions.T[:, :, None]  # (2, 4, C)
+    across = (lines.normals.T[:, :, None] * _T_PX).astype(np.float32)  # (2, 4, T)
+    u, v = (foot.astype(np.float32)[..., None] + across[:, :, None]).reshape(2, 4 * CALIPERS, len(_T_PX))
     sampled = cv2.remap(pixels, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    height, width = pixels.shape[:2]
-    near = places[:, :, np.abs(_T_PX) <= 3]
-    inside = ((near >= 0) & (near <= (width - 1, height - 1))).all(axis=(2, 3))
+    last = np.array(pixels.shape[1::-1])[:, None, None] - 1 - _SEEN_PX
+    inside = ((foot >= _SEEN_PX) & (foot <= last)).all(axis=0)
     return sampled.reshape(4, CALIPERS, len(_T_PX), 3).astype(np.float64), np.asarray(inside)
 
 
@@ -245,7 +247,8 @@ def _crossings(profiles: FloatArray, inside: BoolArray, counted: BoolArray) -> F
     axis = roof - beyond
     span = np.maximum((axis**2).sum(axis=-1), 1.0)  # (4, 1, 1)
     near = np.abs(_T_PX) <= CROSSING_REACH_PX
-    share = ((profiles[:, :, near] - beyond) * axis).sum(axis=-1) / span  # (4, C, T) 1 on the roof, 0 beyond
+    by = axis / span[..., None]
+    share = (profiles[:, :, near] @ by[:, 0, 0, :, None][:, None])[..., 0] - (beyond * by).sum(axis=-1)
     falling = np.minimum.accumulate(np.clip(share, 0.0, 1.0), axis=-1)
     return np.where(inside, falling.sum(axis=-1) - CROSSING_REACH_PX - 0.5, np.nan)
 
@@ -254,11 +257,13 @@ def _alike(profiles: FloatArray, counted: BoolArray) -> BoolArray:
     """(4, C) which calipers show the roof and its edge as most of their side do: not those that something covers."""
     near = profiles[:, :, (_T_PX >= -CROSSING_REACH_PX) & (_T_PX <= 0)]  # (4, C, T, 3)
     usual = _mean(near, counted)
-    contrast = np.linalg.norm(usual[:, 0] - usual[:, -1], axis=1)  # (4,)
+    contrast, kept = _length(usual[:, 0] - usual[:, -1]), counted  # (4,), (4, C)
     for _ in range(2):
-        oddness = np.linalg.norm(near - usual[:, None], axis=-1).max(axis=-1)  # (4, C)
-        typical = _median(oddness, counted)
-        kept = counted & (oddness <= np.maximum(ODD_TIMES * typical, ODD_SHARE * contrast)[:, None])
+        oddness = _length(near - usual[:, None]).max(axis=-1)  # (4, C)
+        before, limit = kept, ODD_TIMES * _median(oddness, counted)
+        kept = counted & (oddness <= np.maximum(limit, ODD_SHARE * contrast)[:, None])
+        if (kept == before).all():
+            break
         usual = _mean(near, kept)
     return np.asarray(kept)
 
@@ -267,30 +272,50 @@ def _mean(profiles: FloatArray, counted: BoolArray) -> FloatArray:
     """(4, T, 3) mean over the calipers that count; over all of a side where none does."""
     weights = (counted | ~counted.any(axis=1, keepdims=True)).astype(np.float64)
     weights /= weights.sum(axis=1, keepdims=True)
-    return np.asarray(np.einsum("sc,sctb->stb", weights, profiles))
+    count = profiles.shape[2]
+    return np.asarray((weights[:, None] @ profiles.reshape(4, CALIPERS, count * 3)).reshape(4, count, 3))
 
 
 def _robust_line(along_px: FloatArray, offsets_px: FloatArray) -> tuple[FloatArray, FloatArray, BoolArray]:
     """Offset (4,) at the middle and slope (4,) of each side's crossings (4, C), and which of them lie on that line.
 
     Repeated medians (Siegel 1982) bear it when something covers almost half of a side; least squares over the
-    crossings near that line then make it precise.
+    crossings near that line then make it precise. Where all crossings lie on one line that is not needed.
     """
     valid = np.isfinite(offsets_px)
     y = np.where(valid, offsets_px, 0.0)
-    run = along_px[:, None, :] - along_px[:, :, None]  # (4, C, C)
+    offset, slope = _line_through(along_px, y, valid)
+    kept = valid & (np.abs(y - offset[:, None] - slope[:, None] * along_px) <= ON_LINE_PX)
+    if (kept == valid).all():
+        return offset, slope, kept
+    offset, slope = _median_line(along_px, y, valid)
+    kept = valid & (np.abs(y - offset[:, None] - slope[:, None] * along_px) <= ON_LINE_PX)
+    return *_line_through(along_px, y, kept), kept
+
+
+def _line_through(x: FloatArray, y: FloatArray, counted: BoolArray) -> tuple[FloatArray, FloatArray]:
+    """Offset (4,) and slope (4,) of the least-squares lines through the points (4, C) that count."""
+    weight = counted.astype(np.float64)
+    total = np.maximum(weight.sum(axis=1), 1.0)
+    mean_x, mean_y = (weight * x).sum(axis=1) / total, (weight * y).sum(axis=1) / total
+    away = weight * (x - mean_x[:, None])
+    slope = (away * y).sum(axis=1) / np.maximum((away * x).sum(axis=1), 1.0)
+    return mean_y - slope * mean_x, slope
+
+
+def _median_line(x: FloatArray, y: FloatArray, counted: BoolArray) -> tuple[FloatArray, FloatArray]:
+    """Offset (4,) and slope (4,) by repeated medians over the points (4, C) that count."""
+    run = x[:, None, :] - x[:, :, None]  # (4, C, C)
     with np.errstate(divide="ignore", invalid="ignore"):
         slopes = (y[:, None, :] - y[:, :, None]) / run
-    paired = valid[:, None, :] & valid[:, :, None] & (run != 0)
-    slope = _median(_median(slopes, paired), valid)
-    offset = _median(y - slope[:, None] * along_px, valid)
-    kept = valid & (np.abs(y - offset[:, None] - slope[:, None] * along_px) <= ON_LINE_PX)
-    weight = kept.astype(np.float64)
-    total = np.maximum(weight.sum(axis=1), 1.0)
-    mean_x, mean_y = (weight * along_px).sum(axis=1) / total, (weight * y).sum(axis=1) / total
-    x = along_px - mean_x[:, None]
-    slope = (weight * x * y).sum(axis=1) / np.maximum((weight * x**2).sum(axis=1), 1.0)
-    return mean_y - slope * mean_x, slope, kept
+    paired = counted[:, None, :] & counted[:, :, None] & (run != 0)
+    slope = _median(_median(slopes, paired), counted)
+    return _median(y - slope[:, None] * x, counted), slope
+
+
+def _length(vectors: FloatArray) -> FloatArray:
+    """(...) of vectors (..., D)."""
+    return np.asarray(np.sqrt(np.einsum("...d,...d->...", vectors, vectors)))
 
 
 def _median(values: FloatArray, counted: BoolArray) -> FloatArray:

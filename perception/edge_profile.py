@@ -31,11 +31,12 @@ SIGMA_SHARE = 0.045  # of the contrast, by which a profile may depart from its m
 LEAST_SIGMA = 0.5  # grey levels; what rounding to whole levels leaves
 LEAST_SHADE = 0.05
 WALL_STARTS_PX = (1.0, 4.0)  # the fit may find another minimum from each
-_ITERATIONS = 8
+_ITERATIONS = 10
 _LARGEST_STEP = np.array([1.0, 1.0, 0.2])
 _DAMPING = 1e-3
-_SETTLED_PX = 0.02
-_SETTLED_COST = 0.1
+_OVERSHOT = 0.5  # of the last step, taken back
+_SETTLED_PX = 0.01
+_SETTLED_COST = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,9 +82,13 @@ def _fit(profile: "_Profiles", ends_px: FloatArray) -> FloatArray:
     parameters = np.stack([np.zeros_like(ends_px), ends_px, np.full_like(ends_px, SHADE)], axis=1)  # (K, 3)
     plain = ~profile.walled
     moving = np.ones((len(ends_px), 1), np.bool_)  # each profile stops by itself, whatever the others do
+    pace, last = np.ones_like(parameters[:, :1]), np.zeros(len(ends_px))
     for _ in range(_ITERATIONS):
         wanted, gain = profile.newton_step(parameters)
         step = np.clip(wanted, -_LARGEST_STEP, _LARGEST_STEP) * moving
+        back_and_forth = step[:, 0] * last < -_OVERSHOT * last**2
+        pace[back_and_forth] *= 0.5  # beyond the minimum and back again, where the model is far from linear
+        step, last = step * pace, step[:, 0]
         parameters += step
         edge = parameters[:, 0] = np.clip(parameters[:, 0], low, high)
         parameters[:, 1] = np.where(plain, edge, np.clip(parameters[:, 1], edge, edge + high))

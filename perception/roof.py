@@ -25,7 +25,7 @@ LEAST_PIXELS = 8
 ROUNDS = 3  # of sampling and line fitting; fewer where one ...
 NEAR_PX = 1.0  # moves no end of a side by more than this
 FITS = 2  # of the edge model; the second from where the first ended, if that moved by more than ...
-SETTLED_PX = 0.7
+SETTLED_PX = 0.5
 WALL_EVIDENCE = 3.0  # a wall is believed if it lowers the cost of the fit by more than this
 ODD_TIMES, ODD_SHARE = 3.0, 0.15  # a caliper is odd beyond so many times the usual oddness, and share of the contrast
 CROSSING_REACH_PX = 4.0
@@ -107,7 +107,7 @@ def seed_quad(image: ImageArray, mask: ImageArray, outward: FloatArray) -> Float
     return _largest_rectangle(mask & _even(image, colour, plane))
 
 
-def _even(image: ImageArray, colour: NDArray[np.floating[Any]], plane: FloatArray) -> ImageArray:
+def _even(image: ImageArray, colour: FloatArray, plane: NDArray[np.floating[Any]]) -> ImageArray:
     """(H, W) 1 where the brightness, ``colour`` (3,) times a pixel, is nearly that of the plane (3,) of u, v, 1."""
     departure = cv2.transform(image.astype(np.float32), colour[None])  # (H, W)
     height, width = image.shape[:2]

@@ -135,13 +135,16 @@ def pick(camera: Camera, on_map: FloatArray, rng: np.random.Generator, *, ground
     start = PointPicks.exact(noisy[candidates[first]], on_map[candidates[first]])
     seed = np.random.default_rng(0)
     guess: Finding
-    if ground:
-        guess = calibrate_homography("pole", SIZE, start, rng=seed).homography
-    else:
-        guess = calibrate_camera("pole", SIZE, start, rng=seed).calibrated
-    left = np.setdiff1d(np.arange(len(candidates)), first)
-    more = left[choose(guess, on_map[candidates[left]], road, PICKS - FIRST_PICKS)]
-    chosen = candidates[np.concatenate([first, more])]
+    try:
+        if ground:
+            guess = calibrate_homography("pole", SIZE, start, rng=seed).homography
+        else:
+            guess = calibrate_camera("pole", SIZE, start, rng=seed).calibrated
+        left = np.setdiff1d(np.arange(len(candidates)), first)
+        more = left[choose(guess, on_map[candidates[left]], road, PICKS - FIRST_PICKS)]
+        chosen = candidates[np.concatenate([first, more])]
+    except CalibrationError:  # a lens so strong that eight points fit no homography: by eye alone
+        chosen = candidates[_spread_out(pixels[candidates], on_map[candidates, 2] == 0.0, PICKS)]
     wrong = rng.permutation(len(chosen))[: round(WRONG_SHARE * len(chosen))]
     picked = noisy[chosen].copy()
     for number, row in enumerate(wrong):

@@ -16,7 +16,7 @@ from georef.calibrated import CalibratedCamera
 from georef.camera_models import Beliefs, CameraModel, CameraState, FullState, PanTiltState
 from georef.camera_start import first_cameras
 from georef.ground_homography import GroundHomography, HomographyModel
-from georef.mixture import Fit, Model, Noise, State, fit
+from georef.mixture import Fit, Model, Noise, State, best_fit
 from georef.pick_checks import check_enough, check_spread
 from georef.picks import LinePicks, PointPicks
 
@@ -25,7 +25,7 @@ _LARGEST_WRONG_SHARE = 0.4
 _LARGEST_NOISE_SHARE = 0.01  # of the image's width
 _ON_GROUND_M = 1e-6
 _MEDIAN_TO_SIGMA = 1.1774  # Rayleigh's median
-_START_FACTOR = 3.0
+_CAMERA_STARTS, _HOMOGRAPHY_STARTS = (3.0,), (1.0, 3.0)  # noise to begin with, over that of the start's residuals
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,8 +126,7 @@ def calibrate_homography(
     model = HomographyModel(used, width_px, height_px)
     extent = float(np.hypot(width_px, height_px))
     noise = noise or Noise()
-    first = model.first(rng)
-    found = fit(model, first, noise, start_noise_px=_start_noise(model, first, noise), extent_px=extent)
+    found = _best(name, model, [model.first(rng)], _HOMOGRAPHY_STARTS, noise=noise, extent_px=extent)
     _check_fit(name, used, width_px, height_px, found)
     homography = model.finished(name, (width_px, height_px), found.state, found.covariance)
     good, residuals = np.full(len(points), np.nan), np.full((len(points), 2), np.nan)
@@ -151,7 +150,7 @@ def _calibrate(
     check_spread(name, points, width_px, height_px)
     first = first_cameras(name, points, width_px, height_px, rng)
     starts = [state for camera in first for state in states_near(camera)]
-    found = _best(model, starts, noise, float(np.hypot(width_px, height_px)), name)
+    found = _best(name, model, starts, _CAMERA_STARTS, noise=noise, extent_px=float(np.hypot(width_px, height_px)))
     camera = found.state.camera
     if camera.pose.position_m[2] <= 0:
         raise CalibrationError(f'camera "{name}": the picks put it below the ground: check the points\' heights')
@@ -169,27 +168,22 @@ def _calibrate(
 
 
 def _best(
-    model: CameraModel, starts: Sequence[CameraState], noise: Noise, extent_px: float, name: str
-) -> Fit[CameraState]:
-    fits, reasons = [], []
-    for start in starts:
-        try:
-            fits.append(fit(model, start, noise, start_noise_px=_start_noise(model, start, noise), extent_px=extent_px))
-        except CalibrationError as error:
-            reasons.append(str(error))
-    if not fits:
-        raise CalibrationError(f'camera "{name}": the picks do not fit one camera: {reasons[0]}')
-    return max(fits, key=lambda found: found.log_likelihood)
+    name: str, model: Model[State], starts: Sequence[State], factors: Sequence[float], *, noise: Noise, extent_px: float
+) -> Fit[State]:
+    """From every start, with its residuals' noise times each of ``factors``.
 
-
-def _start_noise(model: Model[State], start: State, noise: Noise) -> float:
-    """Noise to begin with: well above the residuals' at the start, by their median, and never below the belief.
-
-    Whoever begins with less takes the corners, which a lens bends most, for wrong picks and never gets them back.
+    With too little, corners that a lens bends are taken for wrong picks and never come back; with too much, where the
+    lens is no part of the model, wrong picks are taken for noise. The likelihood tells which happened.
     """
-    lengths = np.linalg.norm(model.observe(start)[0].residuals, axis=1)
-    typical_px = np.median(np.nan_to_num(lengths, nan=np.inf)) / _MEDIAN_TO_SIGMA
-    return float(max(noise.sigma_px, _START_FACTOR * typical_px))
+    tried = []
+    for start in starts:
+        lengths = np.linalg.norm(model.observe(start)[0].residuals, axis=1)
+        typical_px = float(np.median(np.nan_to_num(lengths, nan=extent_px))) / _MEDIAN_TO_SIGMA
+        tried += [(start, max(noise.sigma_px, factor * typical_px)) for factor in factors]
+    try:
+        return best_fit(model, tried, noise, extent_px=extent_px)
+    except CalibrationError as error:
+        raise CalibrationError(f'camera "{name}": the picks do not fit one camera: {error}') from error
 
 
 def _checked_size(size_px: tuple[int, int]) -> tuple[int, int]:

@@ -12,7 +12,7 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
-from contracts import FloatArray
+from contracts import CalibrationError, FloatArray
 from georef.refinement import Linear, inverse_normal, refine
 
 State = TypeVar("State")
@@ -20,7 +20,7 @@ State = TypeVar("State")
 _WRONG_SHARE, _WRONG_WEIGHT = 0.1, 10.0  # believed beforehand, and how many picks that belief is worth
 _CORE_SIGMAS = 3.0  # wrong picks nearer than this are no more likely for being nearer
 _ROUNDS = 80
-_SETTLED = 1e-5
+_SETTLED, _ROUGHLY_SETTLED = 1e-5, 1e-2
 _NEGLIGIBLE = 1e-12  # probability; a pick below it is left out, so that its place need not lie before the camera
 _LEAST_LEFT = 0.2
 
@@ -87,10 +87,40 @@ class Fit(Generic[State]):
     log_likelihood: float
 
 
-def fit(model: Model[State], start: State, noise: Noise, *, start_noise_px: float, extent_px: float) -> Fit[State]:
+def best_fit(
+    model: Model[State], starts: Sequence[tuple[State, float]], noise: Noise, *, extent_px: float
+) -> Fit[State]:
+    """The most likely of the fits from all ``starts``, each with its own start_noise_px; compare ``fit``.
+
+    Raises CalibrationError, with the first start's reason, where none settles.
+    """
+    fits, reasons = [], []
+    for start, noise_px in starts:
+        try:
+            rough = fit(model, start, noise, start_noise_px=noise_px, extent_px=extent_px, settled=_ROUGHLY_SETTLED)
+        except CalibrationError as error:
+            reasons.append(error)
+        else:
+            fits.append(rough)
+    if not fits:
+        raise reasons[0]
+    best = max(fits, key=lambda found: found.log_likelihood)
+    return fit(model, best.state, noise, start_noise_px=best.noise_px, extent_px=extent_px)
+
+
+def fit(
+    model: Model[State],
+    start: State,
+    noise: Noise,
+    *,
+    start_noise_px: float,
+    extent_px: float,
+    settled: float = _SETTLED,
+) -> Fit[State]:
     """The most likely state near ``start``.
 
     start_noise_px: residuals that the start leaves with good picks. extent_px: the longest error a pick can have.
+    settled: change of probabilities and of the noise's logarithm from round to round at which it ends.
     Raises CalibrationError where it does not settle or leaves parameters undetermined.
     """
     state, noise_px, wrong_share = start, start_noise_px, _WRONG_SHARE
@@ -104,7 +134,7 @@ def fit(model: Model[State], start: State, noise: Noise, *, start_noise_px: floa
         wrong = sum(float((1 - g).sum()) for g in good)
         wrong_share = (_WRONG_SHARE * _WRONG_WEIGHT + wrong) / (_WRONG_WEIGHT + sum(map(len, good)))
         now = np.concatenate([*good, [np.log(noise_px)]])
-        if np.abs(now - before).max() < _SETTLED:
+        if np.abs(now - before).max() < settled:
             break
         before = now
     return _settled(model, state, noise=noise, noise_px=noise_px, wrong_share=wrong_share, extent_px=extent_px)

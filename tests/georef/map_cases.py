@@ -72,8 +72,10 @@ def ground_points(camera: Camera, count: int, rng: np.random.Generator, *, raise
         along, across = rng.uniform(8.0, 60.0), rng.uniform(-25.0, 25.0)
         height = rng.uniform(2.0, 6.0) if rng.uniform() < raised else 0.0
         point = np.array([*(camera.pose.position_m[:2] + along * ahead + across * beside), height])
+        x, y, depth = (point - camera.pose.position_m) @ camera.pose.world_from_camera
         pixel = image(camera, point)[0]
-        if (pixel > 5).all() and (pixel < np.array(SIZE) - 5).all():
+        before_fold = np.hypot(x, y) < depth  # every lens here is one to one within 45 degrees
+        if before_fold and (pixel > 5).all() and (pixel < np.array(SIZE) - 5).all():
             kept.append(point)
     return np.array(kept)
 

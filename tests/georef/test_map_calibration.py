@@ -27,7 +27,7 @@ def road_error_m(camera, true, seed=0):
     return np.abs(place(camera, image(true, places), 0.0).positions_m - places[:, :2]).max()
 
 
-@settings(max_examples=12)
+@settings(max_examples=6)
 @given(poles(), st.integers(0, 1000))
 def test_picks_without_noise_give_the_camera_back(true, seed):
     found = calibrate_camera("pole", SIZE, picks(true, seed, raised=0.3), rng=rng(), noise=Noise(1e-3))
@@ -36,7 +36,7 @@ def test_picks_without_noise_give_the_camera_back(true, seed):
     assert found.picks.good.min() > 0.99
 
 
-@settings(max_examples=12)
+@settings(max_examples=6)
 @given(poles(plain=True), st.integers(0, 1000))
 def test_pan_and_tilt_come_back(true, seed):
     found = calibrate_pan_tilt("pole", SIZE, picks(true, seed), rng=rng(), noise=Noise(1e-3)).calibrated.camera
@@ -45,7 +45,7 @@ def test_pan_and_tilt_come_back(true, seed):
     assert abs(found.intrinsics.fx_px - true.intrinsics.fx_px) < 1e-3
 
 
-@settings(max_examples=12)
+@settings(max_examples=6)
 @given(poles(plain=True), st.integers(0, 1000))
 def test_a_homography_comes_back_and_is_opencv_s(true, seed):
     given_picks = picks(true, seed, raised=0.0)

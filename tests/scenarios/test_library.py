@@ -10,8 +10,10 @@ import pytest
 from contracts import EventKind
 from contracts.truth import Truth
 from scenarios.loader import build_world, list_scenarios, load_scenario
+from scenarios.rig_file import load_rig
 from scenarios.schema import RailScenario, Scenario
 from sim.colours import Colour
+from sim.lights import LightPreset
 
 JUMP_M = 1e-3  # more than rounding, less than any way that speed and limits do not explain
 
@@ -61,6 +63,18 @@ def test_the_training_scenarios_share_no_seed_with_the_others():
     training = {seed for name, seed in seeds.items() if name.startswith("train-")}
     assert training
     assert not training & {seed for name, seed in seeds.items() if not name.startswith("train-")}
+
+
+def test_every_light_occurs_in_both_splits_of_the_sequences():
+    sequences = [load_scenario(name) for name in list_scenarios() if name.startswith("sequence-")]
+    assert len(sequences) == 20
+    for split, count in (("train", 8), ("test", 12)):
+        mine = [scenario for scenario in sequences if scenario.split == split]
+        lights = {scenario.light for scenario in mine} | {c.to for scenario in mine for c in scenario.light_change}
+        assert len(mine) == count
+        assert lights == set(LightPreset)
+        assert all(scenario.frame_count >= 250 for scenario in mine)
+        assert all(load_rig(s.rig).cameras[0].resolution_px == (1280, 720) for s in mine)
 
 
 def test_the_main_job_takes_both_vehicles_through_both_loops_and_both_halves():

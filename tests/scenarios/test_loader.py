@@ -77,6 +77,23 @@ def test_a_file_that_is_not_there_is_named(tmp_path):
             ["vary", "'green'", "blue, red"],
         ),
         ("[expect]", '[vary]\nlight = { any = ["dark"] }\n[expect]', ["line 32", "vary.light", "dark"]),
+        ("[expect]", "[floor]\ncontrast = -1.0\n[expect]", ["line 31", "key floor", "contrast = -1.0"]),
+        ("[expect]", "[floor]\nsrgb = [1, 2]\n[expect]", ["line 32", "floor.srgb", "length 3"]),
+        ("[expect]", "[sensor]\nwhite_balance_drift = 2.0\n[expect]", ["line 31", "sensor", "[0, 1)"]),
+        ("[expect]", '[[light_change]]\nat_s = 1.0\nto = "dark"\n[expect]', ["line 33", "light_change[0].to", "dusk"]),
+        (
+            "[expect]",
+            '[[light_change]]\nat_s = 3.0\nto = "sunny"\n[[light_change]]\nat_s = 2.0\nto = "dusk"\n[expect]',
+            ["line 34", "light_change[1]", "3.0 s"],
+        ),
+        ("[expect]", "[[highlight]]\nazimuth_deg = 1.0\nelevation_deg = -1.0\n[expect]", ["highlight[0]", "-1.0"]),
+        (
+            "[expect]",
+            "[[object]]\nat_m = [0.0, 0.48]\nsize_m = [0.1, 0.1, 0.1]\nsrgb = [1, 2, 3]\n[expect]",
+            ["line 31", "object[0]", "in the way"],
+        ),
+        ("[expect]", "[[bridge]]\nat_m = [0.0, 0.48]\nheading_deg = 0.0\n[expect]", ["bridge[0]", "in the way"]),
+        ("seed = 7", 'seed = 7\nsplit = "validate"', ["line 7", "split", "train, test"]),
         ("[expect]", "[vary]\nfps = { min = 10 }\n[expect]", ["line 32", "vary.fps", "min and max"]),
     ],
 )

@@ -47,7 +47,7 @@ class Backdrops:
     def __init__(self, camera: Camera, scene: Scene, stage: Stage) -> None:
         self._camera, self._scene, self._stage = camera, scene, stage
         self._films: dict[Light, tuple[Backdrop, Backdrop]] = {}
-        self._latest: tuple[Light, frozenset[str], Backdrop] | None = None
+        self._latest: dict[Light, tuple[frozenset[str], Backdrop]] = {}
         windows = ((spot.switch, spot_window(camera, spot)) for spot in scene.spots)
         self._spot_windows = {switch: window for switch, window in windows if window is not None}
 
@@ -55,17 +55,19 @@ class Backdrops:
         """The empty scene under the light at full strength, its switch spots as ``state`` has them."""
         plain = replace(light, band=None, factor=1.0)
         visible = spots_shown(self._scene, state) & self._spot_windows.keys()
-        if self._latest is None or self._latest[:2] != (plain, visible):
+        if plain not in self._latest or self._latest[plain][0] != visible:
             hidden, shown = self._filmed(plain)
             windows = [self._spot_windows[switch] for switch in visible]
-            self._latest = plain, visible, hidden.patched(shown, windows) if windows else hidden
-        return self._latest[2]
+            self._latest[plain] = visible, hidden.patched(shown, windows) if windows else hidden
+        return self._latest[plain][1]
 
     def _filmed(self, light: Light) -> tuple[Backdrop, Backdrop]:
         """All spots hidden, all shown."""
         if light not in self._films:
             if len(self._films) == _LIGHTS_KEPT:
-                del self._films[next(iter(self._films))]
+                oldest = next(iter(self._films))
+                del self._films[oldest]
+                self._latest.pop(oldest, None)
             hidden = film_backdrop(self._stage, self._camera, light, {})
             states = {spot.switch: next(iter(spot.visible_in)) for spot in self._scene.spots}
             shown = film_backdrop(self._stage, self._camera, light, states) if self._spot_windows else hidden

@@ -85,9 +85,8 @@ class Sensor:
         """The image with the white balance of a moment."""
         if not self._spec.white_balance_drift:
             return image
-        levels = np.arange(256.0)[:, None] * self.channel_gains(time_ns)  # (256, 3)
-        table = np.minimum(np.rint(levels), 255.0).astype(np.uint8)[None]
-        return np.asarray(cv2.LUT(image, table), np.uint8)
+        gains = np.diag(self.channel_gains(time_ns)).astype(np.float32)
+        return np.asarray(cv2.transform(image, gains), np.uint8)  # several times as fast as tables of levels
 
     def grain(self, image: ImageArray, index: int) -> ImageArray:
         """A fresh image with the noise of frame ``index``.

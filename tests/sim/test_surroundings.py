@@ -125,7 +125,7 @@ def test_the_white_balance_drifts_smoothly_as_far_as_stated(drift, period_s, see
     assert (np.abs(gains).max(axis=0) > 0.99 * drift).all()
     assert max(np.abs(b - a).max() for a, b in pairwise(gains)) < drift * 0.03
     image = sensor.balance(GREY, int(times_ns[7]))
-    assert np.abs(image[0, 0] - 120.0 * (1.0 + gains[7])).max() <= 0.5 + 1e-9
+    assert np.abs(image[0, 0] - 120.0 * (1.0 + gains[7])).max() <= 0.5 + 1e-4
     assert (GREY == 120).all()
     assert sensor.balance(GREY, int(times_ns[7])).tobytes() == image.tobytes()
 

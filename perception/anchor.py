@@ -1,6 +1,6 @@
 """From the measured roof to the anchor: what to do about sides that were not seen, and how sure the answer is."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -69,6 +69,8 @@ def complete_roof(roof: Roof, model: ColourModel, view: LocalView) -> Anchor:
         _Axis(BOTH, size[k]) if whole[k] else _complete(size[k], expected[k], roof.ends_measured[k], outward[k])
         for k in range(2)
     ]
+    if roof.ends_measured.all(axis=1).any() and not whole.any():  # neither size is a roof's
+        completed = [replace(axis, regime=ROUGH) for axis in completed]
     moments = [model.anchor_moments_px2[axis.regime][k] + axis.doubt_px**2 for k, axis in enumerate(completed)]
     point = roof.centre_px + np.array([axis.shift_px for axis in completed]) @ axes
     half = np.array([axis.size_px for axis in completed]) / 2

@@ -97,11 +97,14 @@ def camera_names(recording: Recording) -> tuple[str, ...]:
 
 
 def fused_population(recording: Recording, gate_m: float) -> Population:
-    """The positions fused over all cameras; an object counts as visible as in the camera that sees most of it."""
+    """The positions fused over all cameras; an object counts as visible as in the camera that sees most of it.
+
+    Where no camera filmed there is nothing to be found, so such frames do not count.
+    """
     frames = (
         _matched(step.truth, step.fused, best_fractions(step.truth), gate_m)
         for step in recording.steps
-        if step.truth is not None
+        if step.truth is not None and step.truth.cameras
     )
     return Population(FUSED, tuple(frames))
 

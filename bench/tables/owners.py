@@ -14,7 +14,7 @@ from bench.scoring.ground import known_rows, rms
 from bench.scoring.population import Hits, camera_names, camera_population, fused_population
 from bench.scoring.stages import StageErrors, split
 from bench.tables.films import Watched
-from bench.tables.part import Grid, Part, number
+from bench.tables.part import Grid, Part, number, slug
 from contracts import FloatArray
 
 STAGES = {"anchor": "#1b6ca8", "calibration": "#c8752b", "location": "#5b6470"}
@@ -88,9 +88,14 @@ def _parts(stages: StageErrors) -> dict[str, float]:
 def _scores(light: str, group: Owned) -> list[Score]:
     fused = group.fused_m
     return [
-        *(Score.of(f"owners.{light}.rms_{name}_m", rms(fused[:, k]), "m", len(fused)) for k, name in enumerate("xy")),
         *(
-            Score.of(f"owners.{light}.{name}_rms_m", value, "m", len(known_rows(getattr(group.stages, f"{name}_m"))))
+            Score.of(f"owners.{slug(light)}.rms_{name}_m", rms(fused[:, k]), "m", len(fused))
+            for k, name in enumerate("xy")
+        ),
+        *(
+            Score.of(
+                f"owners.{slug(light)}.{name}_rms_m", value, "m", len(known_rows(getattr(group.stages, f"{name}_m")))
+            )
             for name, value in _parts(group.stages).items()
         ),
     ]

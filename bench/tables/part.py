@@ -1,6 +1,5 @@
 """A part of the remade evaluation, before anybody has decided whether it goes to a terminal, a page or a program."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bench.report.charts import Figure
@@ -35,11 +34,11 @@ class Part:
     picture: str = ""
 
 
+def slug(name: str) -> str:
+    """A method's or light's name as a part of a score's: no spaces in it."""
+    return name.replace(" ", "_")
+
+
 def number(value: float | None, form: str = ".2f", factor: float = 1.0) -> str:
     """``value`` times ``factor`` as text, a dash where it is None or NaN."""
     return UNKNOWN if value is None or value != value else f"{value * factor:{form}}"  # noqa: PLR0124 - NaN alone differs from itself
-
-
-def value_of(scores: Sequence[Score], name: str) -> float | None:
-    """The value of the score called ``name``."""
-    return next(score.value for score in scores if score.name == name)

@@ -9,7 +9,7 @@ from bench.report.charts import Figure, axis, layout
 from bench.scores import Score
 from bench.tables.centres import AT_PX, DISTANCE_STEPS_PX, OVERLAP_STEPS, Cases, cases, together
 from bench.tables.films import Watched, frames_per_second
-from bench.tables.part import Grid, Part, number
+from bench.tables.part import Grid, Part, number, slug
 
 COLOURS = ("#1b6ca8", "#c8752b", "#4a8a3a", "#7a4fa3", "#a33f6b", "#3a8f8a", "#5b6470")
 HEAD = ("tracker", "centre within 20 px", "within 1 px", "median error, px", "success (area)", "roof overlap", "fps")
@@ -22,7 +22,7 @@ def precision(trackers: Mapping[str, Sequence[Watched]]) -> Part:
     """
     seen = {name: together([cases(one.recording) for one in watched]) for name, watched in trackers.items()}
     scores = [score for name, watched in trackers.items() for score in _scores(name, seen[name], watched)]
-    rows = [_row(name, [one for one in scores if one.name.startswith(f"precision.{name}.")]) for name in trackers]
+    rows = [_row(name, [one for one in scores if one.name.startswith(f"precision.{slug(name)}.")]) for name in trackers]
     says = (
         "Left: share of the vehicles to be found whose roof's centre was placed within a distance in the image. "
         "Right: share whose roof was overlapped by more than a share (IoU of rotated rectangles). A vehicle that is "
@@ -40,7 +40,7 @@ def precision(trackers: Mapping[str, Sequence[Watched]]) -> Part:
 def _scores(name: str, seen: Cases, watched: Sequence[Watched]) -> list[Score]:
     seconds = list(chain.from_iterable(one.seconds.values() for one in watched))
     found = seen.distances_px[np.isfinite(seen.distances_px)]
-    n, prefix = len(seen), f"precision.{name}"
+    n, prefix = len(seen), f"precision.{slug(name)}"
     at_20, at_1 = seen.precision(np.array([AT_PX, 1.0])).tolist() if n else (np.nan, np.nan)
     return [
         Score.of(f"{prefix}.within_20_px", at_20, "1", n),

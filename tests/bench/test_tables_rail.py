@@ -238,6 +238,10 @@ def test_the_page_holds_every_part_and_no_foreign_markup(tmp_path):
     assert json.loads((tmp_path / "out" / "scores.json").read_text())[0]["name"] == "table3.HBP.rectangularity"
 
 
+def test_no_score_has_a_space_in_its_name():
+    assert not [score.name for part in evaluation().parts() for score in part.scores if " " in score.name]
+
+
 def test_the_terminal_shows_every_table():
     text = StringIO()
     print_parts(evaluation().parts(), Console(file=text, width=160))

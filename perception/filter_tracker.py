@@ -42,10 +42,7 @@ class FilterTracker:
         self._since_search += 1
         if lost or self._since_search >= SEARCH_EVERY:
             self._search(frame)
-        seen = Detections.empty(frame.camera, frame.index, frame.time_ns)
-        for target in self._targets.values():
-            seen = seen.joined(target.row(frame))
-        return self._identity.update(frame, seen)
+        return self._identity.update(frame, _rows(frame, list(self._targets.values())))
 
     def _search(self, frame: Frame) -> None:
         """Start those who are not followed; those who are keep their filters."""
@@ -60,14 +57,15 @@ class _Target:
     """One target: what was detected, and where it has moved since."""
 
     def __init__(self, seeker: TargetFilter, detected: Detections, frame: Frame) -> None:
-        self._seeker, self._detected = seeker, detected
+        self._seeker, self.detected = seeker, detected
         quad = detected.quads_px[0]
-        self._middle = quad.mean(axis=0)
+        middle = quad.mean(axis=0)
+        self._outline_px = np.concatenate([quad, detected.anchors_px]) - middle  # (5, 2)
         sides = np.roll(quad, -1, axis=0) - quad
-        self._angle_rad = _angle_of(quad)
+        self._first_angle_rad = self._angle_rad = _angle_of(quad)
         size = float(np.linalg.norm(sides[0])), float(np.linalg.norm(sides[1]))
-        self._places = [self._middle]
-        seeker.start(frame.image, self._middle, (max(size[0], 1.0), max(size[1], 1.0)), self._angle_rad)
+        self._places = [middle]
+        seeker.start(frame.image, middle, (max(size[0], 1.0), max(size[1], 1.0)), self._angle_rad)
 
     def follow(self, frame: Frame) -> bool:
         """Whether the target is still there."""
@@ -92,26 +90,30 @@ class _Target:
             turned = float(np.arctan2(velocity[1], velocity[0])) - self._angle_rad
             self._angle_rad += (turned + np.pi / 2) % np.pi - np.pi / 2
 
-    def row(self, frame: Frame) -> Detections:
-        """The detection moved and turned to where the target is now."""
-        seen = self._detected
-        turned_rad = self._angle_rad - _angle_of(seen.quads_px[0])
+    def outline_px(self) -> FloatArray:
+        """(5, 2) the detected corners and the anchor, moved and turned to where the target is now."""
+        turned_rad = self._angle_rad - self._first_angle_rad
         c, s = np.cos(turned_rad), np.sin(turned_rad)
-        turn = np.array([[c, s], [-s, c]])
-        quad = (seen.quads_px[0] - self._middle) @ turn + self._places[-1]
-        anchor = (seen.anchors_px[0] - self._middle) @ turn + self._places[-1]
-        return Detections(
-            frame.camera,
-            frame.index,
-            frame.time_ns,
-            seen.labels,
-            seen.scores,
-            np.concatenate([quad.min(axis=0), quad.max(axis=0)])[None],
-            quad[None],
-            anchor[None],
-            seen.anchor_heights_m,
-            seen.anchor_covs_px2,
-        )
+        return np.asarray(self._outline_px @ np.array([[c, s], [-s, c]]) + self._places[-1])
+
+
+def _rows(frame: Frame, targets: list[_Target]) -> Detections:
+    if not targets:
+        return Detections.empty(frame.camera, frame.index, frame.time_ns)
+    outlines = np.array([target.outline_px() for target in targets])  # (N, 5, 2)
+    quads, detected = outlines[:, :4], [target.detected for target in targets]
+    return Detections(
+        frame.camera,
+        frame.index,
+        frame.time_ns,
+        tuple(seen.labels[0] for seen in detected),
+        np.concatenate([seen.scores for seen in detected]),
+        np.concatenate([quads.min(axis=1), quads.max(axis=1)], axis=1),
+        quads,
+        outlines[:, 4],
+        np.concatenate([seen.anchor_heights_m for seen in detected]),
+        np.concatenate([seen.anchor_covs_px2 for seen in detected]),
+    )
 
 
 def _angle_of(quad_px: FloatArray) -> float:

@@ -161,7 +161,9 @@ def test_outlines_of_faces_hold_the_samples_whose_rays_meet_the_box(case):
     both = (fast == slow) & (slow > 0)
     if both.any():
         near = nearness_in(faces, ALL_OF_IT, SAMPLES_PX)
-        assert np.abs(1.0 / near[both] - depth[both]).max() < 2e-5 * depth[both].max() ** 2 + 1e-6
+        terms = np.abs(faces.nearness * (96.0, 64.0, 1.0)).max()  # large where a face is seen edge-on, and cancelling
+        per_metre = max(2e-5, 4 * terms * np.finfo(np.float32).eps)
+        assert np.abs(1.0 / near[both] - depth[both]).max() < per_metre * depth[both].max() ** 2 + 1e-6
         rows, columns = window_around(eye, faces.points_px)
         held = np.zeros_like(both)
         held[:, rows, columns] = True

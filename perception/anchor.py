@@ -65,12 +65,15 @@ def complete_roof(roof: Roof, model: ColourModel, view: LocalView) -> Anchor:
     whole = _whole(roof, size / usual)
     scale = float(np.mean(size[whole] / usual[whole])) if whole.any() else 1.0  # the camera may hang lower than known
     expected, outward = scale * usual, -axes @ view.lean_px
-    completed = [
-        _Axis(BOTH, size[k]) if whole[k] else _complete(size[k], expected[k], roof.ends_measured[k], outward[k])
-        for k in range(2)
-    ]
-    if roof.ends_measured.all(axis=1).any() and not whole.any():  # neither size is a roof's
-        completed = [replace(axis, regime=ROUGH) for axis in completed]
+    if _nameless(roof, usual):
+        completed = [_Axis(ROUGH, size[k], doubt_px=(expected[0] - size[k]) / 2) for k in range(2)]
+    else:
+        completed = [
+            _Axis(BOTH, size[k]) if whole[k] else _complete(size[k], expected[k], roof.ends_measured[k], outward[k])
+            for k in range(2)
+        ]
+        if roof.ends_measured.all(axis=1).any() and not whole.any():  # neither size is a roof's
+            completed = [replace(axis, regime=ROUGH) for axis in completed]
     moments = [model.anchor_moments_px2[axis.regime][k] + axis.doubt_px**2 for k, axis in enumerate(completed)]
     point = roof.centre_px + np.array([axis.shift_px for axis in completed]) @ axes
     half = np.array([axis.size_px for axis in completed]) / 2
@@ -92,6 +95,11 @@ def _long_side_first(roof: Roof, model: ColourModel, view: LocalView) -> Roof:
     size_m = roof.size_px[seen] / view.px_per_m_along(roof.axes[seen : seen + 1])[0]
     nearest = int(np.argmin(np.abs(np.log(size_m / np.array(model.roof_size_m)))))
     return roof if whole[nearest] else roof.turned()
+
+
+def _nameless(roof: Roof, usual_px: FloatArray) -> bool:
+    """Whether no axis was seen from end to end, and what was seen of both might be the short one."""
+    return not roof.ends_measured.all(axis=1).any() and max(roof.size_px) < usual_px.min() * (1 + ODD_SIZE)
 
 
 def _whole(roof: Roof, relative_size: FloatArray) -> BoolArray:

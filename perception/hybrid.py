@@ -114,7 +114,8 @@ class HybridTracker:
             known = self._lost.get(label)
             variances, directions = np.linalg.eigh(covs_px2[row])
             way_px = np.sqrt(variances[1]) * directions[:, 1]  # from the seen part's middle to the roof's, or back
-            if known is None or variances[1] < UNSURE_PX**2 or found.time_ns - known.time_ns > REMEMBERED_S * 1e9:
+            one_end = variances[0] < UNSURE_PX**2 <= variances[1]
+            if known is None or not one_end or found.time_ns - known.time_ns > REMEMBERED_S * 1e9:
                 continue
             ahead = float((known.expected(found.time_ns).centre_px - anchors_px[row]) @ way_px)
             anchors_px[row] += np.sign(ahead) * way_px

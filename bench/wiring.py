@@ -204,12 +204,14 @@ def calibrated_cameras(
 
 def make_chain(stages: Stages, perceive: Perception, cameras: Sequence[CalibratedCamera]) -> Chain:
     """The chain of a run over ``cameras``."""
-    fuse, analyse = CovarianceFuser().fuse, stages.make_analyst().analyse
+    analyse = stages.make_analyst().analyse
     if not stages.needs_film:
+        fuse = CovarianceFuser().fuse
         return Chain(perceive=perceive, locate=oracles.TrueLocation().locate, fuse=fuse, analyse=analyse)
     locator: Locator = LOCATORS[stages.locator]({calibrated.camera.name: calibrated for calibrated in cameras})
 
     def locate(_: Step, tracks: tuple[Tracks, ...]) -> tuple[GroundTracks, ...]:
         return tuple(locator.locate(each) for each in tracks)
 
+    fuse = CovarianceFuser(one_per_label=True).fuse  # a vehicle's colour is its identity
     return Chain(perceive=perceive, locate=locate, fuse=fuse, analyse=analyse)

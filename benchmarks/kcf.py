@@ -5,7 +5,8 @@ of ROUNDS counts. Both follow the same vehicles, from the truth of the first fra
 ours as the stand-alone tracker with its own prediction of place and heading, from the roof's rectangle; contrib's from
 its upright hull, for it knows no other boxes. The error is the distance of the tracked centre to the roof's, both less
 where they were in the first frame. Only frames in which a tracker has its target are timed and averaged; contrib's is
-kept from giving up, so that it can be compared at all.
+kept from giving up. OpenCV 5.0's raw-grey setting fails with an error of its own in the second frame: its scores are
+not valid, and the headline ratios are those to contrib's default.
 """
 
 import argparse
@@ -33,6 +34,7 @@ from scenarios.worlds import build_world
 
 SCENARIO, FPS = "oval-two-vehicles", 100.0  # at more than 5 px a frame contrib loses what it follows
 ROUNDS = 3
+LEAST_KEPT = 0.5  # of the frames; a tracker that had its target in fewer says nothing about speed or error
 WHOLE, LEAST_FRAMES = 0.95, 40  # visible share and length of a stretch
 HERE = Path(__file__).parent
 ENVIRONMENT = HERE.parent / "runs" / "benchmarks" / "contrib"
@@ -174,8 +176,8 @@ def summary(name: str, rounds: Sequence[Sequence[Run]]) -> tuple[float, float, l
         sys.exit(f"{name} lost every target at once: nothing to compare")
     fps, error, kept = len(errors) / seconds, float(errors.mean()), len(errors) / frames
     scores = [
-        Score(f"kcf.{name}_fps", fps, "1/s", frames, True),
-        Score(f"kcf.{name}_error_px", error, "px", len(errors), True),
+        Score.of(f"kcf.{name}_fps", fps, "1/s", len(errors) if kept >= LEAST_KEPT else 0),
+        Score.of(f"kcf.{name}_error_px", error, "px", len(errors) if kept >= LEAST_KEPT else 0),
         Score(f"kcf.{name}_kept", kept, "1", frames, True),
     ]
     return fps, error, scores
@@ -203,13 +205,14 @@ def against_contrib(film: Film) -> list[Score]:
     for ours in OURS:
         for theirs in CONTRIB:
             (fps, error, _), (their_fps, their_error, _) = found[f"ours_{ours}"], found[f"contrib_{theirs}"]
-            n = scores[0].n
-            scores.append(Score(f"kcf.fps_ratio_{ours}_to_{theirs}", fps / their_fps, "1", n, True))
-            scores.append(Score(f"kcf.error_ratio_{ours}_to_{theirs}", error / their_error, "1", n, True))
-    by_name = {score.name: score for score in scores}
-    worst_fps = min((by_name[f"kcf.fps_ratio_colour_to_{theirs}"] for theirs in CONTRIB), key=lambda s: s.value)
-    worst_error = max((by_name[f"kcf.error_ratio_colour_to_{theirs}"] for theirs in CONTRIB), key=lambda s: s.value)
-    return [*scores, replace(worst_fps, name="kcf.fps_ratio"), replace(worst_error, name="kcf.error_ratio")]
+            n = min(found[name][2][0].n for name in (f"ours_{ours}", f"contrib_{theirs}"))  # 0 where one lost them
+            scores.append(Score.of(f"kcf.fps_ratio_{ours}_to_{theirs}", fps / their_fps, "1", n))
+            scores.append(Score.of(f"kcf.error_ratio_{ours}_to_{theirs}", error / their_error, "1", n))
+    named = {score.name: score for score in scores}
+    headline = [
+        replace(named[f"kcf.{what}_colour_to_default"], name=f"kcf.{what}") for what in ("fps_ratio", "error_ratio")
+    ]
+    return [*scores, *headline]
 
 
 def by_region(film: Film) -> list[Score]:

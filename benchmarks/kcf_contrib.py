@@ -16,7 +16,7 @@ import numpy as np
 def params(setting):
     """``default``, or ``grey``: raw grey values alone, nothing compressed. Both pad a box to twice its sides.
 
-    Neither gives up a target: by its own threshold, grey does so in the second frame, and there is nothing to compare.
+    Neither gives up a target by its own threshold. In OpenCV 5.0.0 grey fails in the second frame: an empty matrix.
     """
     chosen = cv2.TrackerKCF.Params()
     chosen.detect_thresh = 0.0
@@ -36,7 +36,7 @@ def follow(frames, order):
         begin = time.thread_time()
         try:
             found, (x, y, width, height) = tracker.update(image)
-        except cv2.error:  # it fails instead of losing a target that leaves the image
+        except cv2.error:  # it fails on a target that leaves the image, and with grey alone always
             found = False
         if found:  # a lost target costs less
             seconds += time.thread_time() - begin

@@ -34,20 +34,26 @@ class CovarianceFuser:
     summed information: the cameras were calibrated apart, so their errors are independent.
 
     Identity: a fused object keeps the smallest fused id that any of its camera tracks had before; a track never seen
-    before brings a new id. Through the overlap of two cameras an id is so handed from one to the other. Within a moment
-    ids are unique.
+    before brings a new id. Through the overlap of two cameras an id is so handed from one to the other. Where a label
+    names one object only, as the colour of a rail vehicle does, the id lasts through a gap between two views as well.
+    Within a moment ids are unique.
+
+    one_per_label: whether no two objects bear the same label.
     """
 
-    def __init__(self, gate_m: float = 0.06, gate_probability: float = 0.999) -> None:
+    def __init__(self, gate_m: float = 0.06, gate_probability: float = 0.999, *, one_per_label: bool = False) -> None:
         if not (gate_m >= 0 and 0 < gate_probability < 1):
             raise InputError(f"CovarianceFuser: gate_m = {gate_m} must be >= 0, {gate_probability = } within (0, 1)")
         self._gate_m = gate_m
         self._gate_squared = float(chi2.ppf(gate_probability, df=2))
+        self._one_per_label = one_per_label
         self._ids: dict[_Key, int] = {}
+        self._ids_of_labels: dict[str, int] = {}
 
     def reset(self) -> None:
         """Forget all identities."""
         self._ids.clear()
+        self._ids_of_labels.clear()
 
     def fuse(self, views: Sequence[GroundTracks]) -> GroundTracks:
         """All objects with a valid place, in the order of their ids.
@@ -100,6 +106,9 @@ class CovarianceFuser:
     def _identify(self, groups: list[list[_View]]) -> list[int]:
         """One id per group, by the rule in the class's description."""
         known = [min((self._ids[row.key] for row in group if row.key in self._ids), default=None) for group in groups]
+        labels = [group[0].label for group in groups]
+        if self._one_per_label:
+            known = [self._ids_of_labels.get(label, before) for label, before in zip(labels, known, strict=True)]
         taken: set[int] = set()
         ids = []
         fresh = max(self._ids.values(), default=-1) + 1
@@ -110,6 +119,7 @@ class CovarianceFuser:
                 identity = before
             taken.add(identity)
             ids.append(identity)
+        self._ids_of_labels |= dict(zip(labels, ids, strict=True))
         self._ids.update({row.key: identity for group, identity in zip(groups, ids, strict=True) for row in group})
         return ids
 

@@ -157,3 +157,20 @@ def test_views_that_do_not_belong_together_are_refused(views, reason):
 def test_impossible_gates_are_refused():
     with pytest.raises(InputError, match="gate_m"):
         CovarianceFuser(gate_m=-1.0)
+
+
+def test_where_a_label_names_one_object_its_identity_lasts_through_a_gap():
+    fuser = CovarianceFuser(one_per_label=True)
+    first = fuser.fuse([view("west", [(5, "blue", (0.0, 0), 0.002), (6, "red", (0.3, 0), 0.002)]), view("east", [])])
+    fuser.fuse([view("west", []), view("east", [])])
+    after = fuser.fuse([view("west", []), view("east", [(9, "red", (1.0, 0), 0.002), (4, "blue", (1.4, 0), 0.002)])])
+    assert dict(zip(first.labels, first.ids.tolist(), strict=True)) == dict(
+        zip(after.labels, after.ids.tolist(), strict=True)
+    )
+
+
+def test_where_a_label_may_name_many_a_gap_ends_an_identity():
+    fuser = CovarianceFuser()
+    first = fuser.fuse([view("west", [(5, "car", (0.0, 0), 0.002)]), view("east", [])])
+    after = fuser.fuse([view("west", []), view("east", [(9, "car", (1.0, 0), 0.002)])])
+    assert first.ids.tolist() != after.ids.tolist()

@@ -108,7 +108,12 @@ class CovarianceFuser:
         known = [min((self._ids[row.key] for row in group if row.key in self._ids), default=None) for group in groups]
         labels = [group[0].label for group in groups]
         if self._one_per_label:
-            known = [self._ids_of_labels.get(label, before) for label, before in zip(labels, known, strict=True)]
+            present = set(known)  # what a camera still follows goes before what only looks the same
+            again = [self._ids_of_labels.get(label) for label in labels]
+            known = [
+                before if before is not None or identity in present else identity
+                for before, identity in zip(known, again, strict=True)
+            ]
         taken: set[int] = set()
         ids = []
         fresh = max(self._ids.values(), default=-1) + 1
@@ -119,7 +124,7 @@ class CovarianceFuser:
                 identity = before
             taken.add(identity)
             ids.append(identity)
-        self._ids_of_labels |= dict(zip(labels, ids, strict=True))
+        self._ids_of_labels = dict(zip(labels, ids, strict=True)) | self._ids_of_labels  # the first one stays
         self._ids.update({row.key: identity for group, identity in zip(groups, ids, strict=True) for row in group})
         return ids
 

@@ -81,7 +81,9 @@ def run_scenario(
     calibrated = calibrated_cameras(world, lenses, first.frames) if stages.needs_film else ()
     manifest = manifest_of(scenario, world, stages, calibrated, seed=seed)
     shown = _with_progress(itertools.chain([first], steps), scenario.name, total=len(world), quiet=quiet)
-    chain = make_chain(stages, make_perception(stages, [each.camera for each in calibrated]), calibrated)
+    cameras = [each.camera for each in calibrated]
+    perception = make_perception(stages, cameras, world.survey.centrelines_m)
+    chain = make_chain(stages, perception, calibrated)
     _record(shown, manifest, chain, directory, keep_frames=keep_frames, sample_every=len(world) // SAMPLES + 1)
     return rescore(directory, scenario)
 

@@ -8,7 +8,19 @@ from pathlib import Path
 from bench import oracles
 from bench.plugins import load_object
 from bench.run import Chain, Perception
-from contracts import Analyst, Camera, Detector, Frame, GroundTracks, InputError, Locator, Perceiver, Tracker, Tracks
+from contracts import (
+    Analyst,
+    Camera,
+    Detector,
+    FloatArray,
+    Frame,
+    GroundTracks,
+    InputError,
+    Locator,
+    Perceiver,
+    Tracker,
+    Tracks,
+)
 from contracts.truth import Step, World
 from georef.calibrate import calibrate_with_lens, lens_of
 from georef.calibrated import CalibratedCamera
@@ -35,10 +47,11 @@ DETECTORS: dict[str, Callable[[ColourModels, Camera], Detector]] = {
     "ccr": ColourRatio,
     "gmm": ColourMixture,
 }
-PERCEIVERS: dict[str, Callable[[ColourModels, Camera], Perceiver]] = {
-    "hybrid": HybridTracker,
-    "kcf": lambda models, camera: FilterTracker(HistogramBackProjection(models, camera), CorrelationTracker),
-    "mosse": lambda models, camera: FilterTracker(HistogramBackProjection(models, camera), MosseFilter),
+Lines = Sequence[FloatArray]  # the plan of the track, as in ``contracts.Survey``
+PERCEIVERS: dict[str, Callable[[ColourModels, Camera, Lines], Perceiver]] = {
+    "hybrid": lambda models, camera, lines: HybridTracker(models, camera, centrelines_m=lines),
+    "kcf": lambda models, camera, _: FilterTracker(HistogramBackProjection(models, camera), CorrelationTracker),
+    "mosse": lambda models, camera, _: FilterTracker(HistogramBackProjection(models, camera), MosseFilter),
 }
 LOCATORS = {"ray": RayPlaneLocator, "plane0": GroundPlaneLocator}
 
@@ -106,10 +119,10 @@ class Stages:
         default = None if self.detector or self.tracker else next(iter(PERCEIVERS))
         return self.perceiver or default
 
-    def make_perceiver(self, camera: Camera) -> Perceiver:
-        """A fresh perceiver for one camera, which is told what the camera's owner knows of it."""
+    def make_perceiver(self, camera: Camera, centrelines_m: Lines = ()) -> Perceiver:
+        """A fresh perceiver for one camera, which is told what the owner knows of the camera and of the track."""
         if self._whole in PERCEIVERS:
-            return PERCEIVERS[self._whole](ColourModels.load(self.model), camera)
+            return PERCEIVERS[self._whole](ColourModels.load(self.model), camera, centrelines_m)
         if self._whole is not None:
             whole: Perceiver = load_object(self._whole, Perceiver)
             return whole
@@ -161,13 +174,13 @@ TABLE_REGIONS = {size: region_perceiver(size) for size in TABLE_REGION_SIZES}
 """Perceivers by the size of the region that they track, for the remade tables."""
 
 
-def make_perception(stages: Stages, cameras: Iterable[Camera]) -> Perception:
+def make_perception(stages: Stages, cameras: Iterable[Camera], centrelines_m: Lines = ()) -> Perception:
     """What turns a step into the tracks of every camera."""
     if not stages.needs_film:
         return lambda _: ()
     if "detect" in stages.oracles:
         return oracles.detect
-    perceivers = {camera.name: stages.make_perceiver(camera) for camera in cameras}
+    perceivers = {camera.name: stages.make_perceiver(camera, centrelines_m) for camera in cameras}
 
     def perceive(step: Step) -> tuple[Tracks, ...]:
         return tuple(perceivers[frame.camera].perceive(frame) for frame in step.frames)

@@ -17,6 +17,7 @@ from perception.colour_models import SHIPPED, ColourModel, ColourModels
 from perception.hue_saturation import back_projection, histogram, hue_saturation_value, ratio_histogram
 from perception.model_views import ModelViews
 from perception.silhouette import Silhouette, silhouette_at
+from perception.track_bed import TrackBeds
 from perception.view import RoofView
 
 PROPOSALS = 3  # windows looked at per colour before giving up
@@ -29,28 +30,35 @@ class HistogramBackProjection:
 
     models: what to look for; those shipped with the package if none are given.
     camera: whose frames they will be, as well as it is known; if none is given, one like that of the training.
+    beds: where vehicles can be; anywhere if not known.
     """
 
-    def __init__(self, models: ColourModels | None = None, camera: Camera | None = None) -> None:
+    def __init__(
+        self, models: ColourModels | None = None, camera: Camera | None = None, beds: TrackBeds | None = None
+    ) -> None:
         self._models = models or ColourModels.load(SHIPPED)
         self._views = ModelViews(self._models, camera)
+        self._beds = beds
 
     def reset(self) -> None:
         """Nothing to forget."""
 
     def detect(self, frame: Frame) -> Detections:
         """At most one detection per model, in the models' order."""
-        found = [
-            (model, find_anchor(frame.image, outline, model, view))
-            for model, view, outline in self._outlines(frame.image)
-        ]
+        found = []
+        for model, view, outlines in self._outlines(frame.image):
+            anchors = (find_anchor(frame.image, outline, model, view) for outline in outlines)
+            anchor = next((each for each in anchors if self._beds is None or self._beds.bear(each, model)), None)
+            if anchor is not None:
+                found.append((model, anchor))
         return detections_of(frame, found)
 
     def silhouettes(self, image: ImageArray) -> dict[str, Silhouette]:
         """The outline of each vehicle that is found in an image (H, W, 3), by its label."""
-        return {model.label: outline for model, _, outline in self._outlines(image)}
+        return {model.label: outlines[0] for model, _, outlines in self._outlines(image)}
 
-    def _outlines(self, image: ImageArray) -> Iterator[tuple[ColourModel, RoofView, Silhouette]]:
+    def _outlines(self, image: ImageArray) -> Iterator[tuple[ColourModel, RoofView, list[Silhouette]]]:
+        """Of each model that is found, the outlines that may be it, the largest first."""
         views = self._views.of(image)
         middle = np.array(image.shape[1::-1]) / 2
         scale = min(view.at(middle).px_per_m for view in views)
@@ -64,7 +72,7 @@ class HistogramBackProjection:
             outlines = [silhouette_at(image, peak_px, ratio, model, view.at(peak_px)) for peak_px in peaks_px]
             passed = [outline for outline in outlines if outline is not None]
             if passed:
-                yield model, view, max(passed, key=lambda outline: outline.area_px)
+                yield model, view, sorted(passed, key=lambda outline: outline.area_px, reverse=True)
 
 
 def _every(stride: int, image: ImageArray) -> ImageArray:

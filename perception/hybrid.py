@@ -5,6 +5,7 @@ where the filter found it; that measurement is the anchor and proposes the next 
 curves neither. A colour that shows up where it was not before calls the search at once, and so does a lost roof.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,6 +19,7 @@ from perception.kcf import CorrelationTracker
 from perception.model_views import ModelViews
 from perception.roof_following import COVERED_PX, FollowedRoof, follow_roof, resume_following, start_following
 from perception.roof_window import RoofPose
+from perception.track_bed import TrackBeds
 from perception.view import RoofView
 from perception.watch import ColourWatch
 
@@ -53,14 +55,21 @@ class HybridTracker:
 
     models: what to look for; those shipped with the package if none are given.
     camera: whose frames they will be, as well as it is known; if none is given, one like that of the training.
+    centrelines_m: (N, 2) points along the middle of each piece of track. A vehicle stands on one: what looks like it
+        beside them is something else. Not told, it looks everywhere. Nothing is measured by them.
     """
 
     def __init__(
-        self, models: ColourModels | None = None, camera: Camera | None = None, settings: HybridSettings | None = None
+        self,
+        models: ColourModels | None = None,
+        camera: Camera | None = None,
+        settings: HybridSettings | None = None,
+        *,
+        centrelines_m: Sequence[FloatArray] = (),
     ) -> None:
         models = models or ColourModels.load(SHIPPED)
         self._models = {model.label: model for model in models.models}
-        self._detector = HistogramBackProjection(models, camera)
+        self._detector = HistogramBackProjection(models, camera, _beds(models, camera, centrelines_m))
         self._model_views = ModelViews(models, camera)
         self._watch = ColourWatch(models)
         self._settings = settings or HybridSettings()
@@ -234,6 +243,14 @@ class _Target:
             *completed,
             self.doubts,
         )
+
+
+def _beds(models: ColourModels, camera: Camera | None, centrelines_m: Sequence[FloatArray]) -> TrackBeds | None:
+    if not centrelines_m:
+        return None
+    if camera is None:
+        raise InputError("HybridTracker is told where the track lies, but not by which camera it is seen")
+    return TrackBeds(models, camera, centrelines_m)
 
 
 def _completed(roof: FollowedRoof, model: ColourModel, view: RoofView) -> tuple[FloatArray, FloatArray, float]:

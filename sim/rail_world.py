@@ -70,11 +70,11 @@ class RailWorld:
         self._film, self._workers, self._keep_instances = film, workers, keep_instances
         self._cameras = true_cameras(rig, seed)
         self._scene = scene_of_plant(plant, self._cameras, seed, surroundings)
-        self._survey = Survey(nominal_cameras(rig), self._scene.control_points_m, BOARD)
+        self._survey = Survey(nominal_cameras(rig), self._scene.control_points_m, BOARD, self._scene.centrelines_m)
 
     @property
     def survey(self) -> Survey:
-        """Nominal cameras, the marks on the floor, the checkerboard."""
+        """Nominal cameras, the marks on the floor, the checkerboard, the plan of the track."""
         return self._survey
 
     @property

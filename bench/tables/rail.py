@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,7 @@ from bench.tables.region import region
 from bench.tables.table1 import table1
 from bench.tables.table3 import table3
 from bench.wiring import TABLE_DETECTORS, TABLE_REGIONS, TABLE_TRACKERS, Stages
-from contracts import InputError
+from contracts import FloatArray, InputError
 from scenarios.loader import list_scenarios, load_scenario
 from scenarios.schema import Scenario
 
@@ -56,9 +57,10 @@ class Evaluation:
             self.detectors.setdefault(name, []).append(watch(still, name, stages.make_perceiver))
             self.masks.setdefault(name, []).append(outlines(still, _detectors(stages, still)))
         for name, stages in TABLE_TRACKERS.items():
-            self.trackers.setdefault(name, []).append(watch(shown, name, stages.make_perceiver))
-        for size, make_perceiver in TABLE_REGIONS.items():
-            self.regions.setdefault(size, []).append(watch(shown, f"region {size:g}", make_perceiver))
+            make_perceiver = partial(stages.make_perceiver, centrelines_m=_centrelines_m(shown))
+            self.trackers.setdefault(name, []).append(watch(shown, name, make_perceiver))
+        for size, make_filter in TABLE_REGIONS.items():
+            self.regions.setdefault(size, []).append(watch(shown, f"region {size:g}", make_filter))
         *_, own = self.trackers.values()
         if len(shown.manifest.true_cameras) > self._cameras_shown:
             self.mosaic, self._cameras_shown = figure15(shown, own[-1]), len(shown.manifest.true_cameras)
@@ -77,6 +79,11 @@ class Evaluation:
             table1(self.manifests),
         ]
         return [*parts, self.mosaic] if self.mosaic else parts
+
+
+def _centrelines_m(shown: Film) -> Sequence[FloatArray]:
+    survey = shown.manifest.survey
+    return survey.centrelines_m if survey else ()
 
 
 def _detectors(stages: Stages, shown: Film) -> dict[str, OutlineDetector]:

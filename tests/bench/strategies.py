@@ -135,7 +135,9 @@ def calibrated_cameras(draw, name="west"):
 @st.composite
 def surveys(draw, names=("west",)):
     board = Checkerboard(draw(st.integers(3, 20)), draw(st.integers(3, 20)), draw(st.floats(1e-3, 1)))
-    return Survey(tuple(draw(cameras(name)) for name in names), draw(arrays((draw(st.integers(0, 4)), 3))), board)
+    lines = tuple(draw(arrays((count, 2))) for count in draw(st.lists(st.integers(2, 4), max_size=2)))
+    marks = draw(arrays((draw(st.integers(0, 4)), 3)))
+    return Survey(tuple(draw(cameras(name)) for name in names), marks, board, lines)
 
 
 @st.composite

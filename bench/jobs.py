@@ -65,6 +65,7 @@ def run_scenario(
 
     seed: instead of the scenario's own. noise_seed: of the sensors alone; nothing else changes with it.
     """
+    _check_stages(scenario, stages)
     workers = os.cpu_count() or 1
     world = build_world(
         scenario,
@@ -83,9 +84,19 @@ def run_scenario(
     shown = _with_progress(itertools.chain([first], steps), scenario.name, total=len(world), quiet=quiet)
     cameras = [each.camera for each in calibrated]
     perception = make_perception(stages, cameras, world.survey.centrelines_m)
-    chain = make_chain(stages, perception, calibrated)
+    chain = make_chain(stages, perception, calibrated, one_per_label=scenario.world == "rail")
     _record(shown, manifest, chain, directory, keep_frames=keep_frames, sample_every=len(world) // SAMPLES + 1)
     return rescore(directory, scenario)
+
+
+def _check_stages(scenario: Scenario, stages: Stages) -> None:
+    """What the bench has no stage of its own for must be named; InputError else."""
+    if scenario.world != "road" or not stages.needs_film:
+        return
+    if not (stages.detector or stages.perceiver or "detect" in stages.oracles):
+        raise InputError("the road has no detector of its own: name yours with --detector, or give --oracle detect")
+    if "calibrate" not in stages.oracles:
+        raise InputError("cameras of the road are not calibrated in the run: give --oracle calibrate")
 
 
 def manifest_of(

@@ -29,7 +29,7 @@ from contracts import BoolArray, FloatArray, InputError, IntArray
 
 TARGET_FRACTION = 0.8
 DEFAULT_GATE_M = 0.060
-GATES_M = {"rail": 0.060}  # half the length of a vehicle, its whole width
+GATES_M = {"rail": 0.060, "road": 2.0}  # half the length of a vehicle, its whole width
 
 
 def gate_m(world: str) -> float:

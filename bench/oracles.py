@@ -6,7 +6,7 @@
 
 import numpy as np
 
-from contracts import Camera, Detections, GroundTracks, InputError, Tracks
+from contracts import Camera, Detections, GroundTracks, InputError, IntArray, Tracks
 from contracts.truth import CameraTruth, Step, Truth
 from georef.calibrated import PARAMETERS, CalibratedCamera
 
@@ -14,10 +14,17 @@ ORACLES = ("detect", "calibrate", "locate")
 SEEN_FRACTION = 0.5  # an oracle reports what a good detector could: objects of which at least half is visible
 
 
-def detect(step: Step) -> tuple[Tracks, ...]:
-    """Exact tracks of every camera, straight from the truth."""
-    truth = _truth_of(step)
-    return tuple(_tracks(truth, view) for view in truth.cameras)
+class TrueDetection:
+    """Exact tracks of every camera, straight from the truth. Objects may come and go: each keeps its number."""
+
+    def __init__(self) -> None:
+        self._numbers: dict[str, int] = {}
+
+    def perceive(self, step: Step) -> tuple[Tracks, ...]:
+        """What every camera sees well enough."""
+        truth = _truth_of(step)
+        numbers = np.array([self._numbers.setdefault(name, len(self._numbers)) for name in truth.ids], np.int64)
+        return tuple(_tracks(truth, view, numbers) for view in truth.cameras)
 
 
 def true_camera(camera: Camera) -> CalibratedCamera:
@@ -57,7 +64,7 @@ def _truth_of(step: Step) -> Truth:
     return step.truth
 
 
-def _tracks(truth: Truth, view: CameraTruth) -> Tracks:
+def _tracks(truth: Truth, view: CameraTruth, numbers: IntArray) -> Tracks:
     seen = np.flatnonzero(view.visible_fractions >= SEEN_FRACTION)
     boxes_px = view.full_boxes_px[seen]
     x1, y1, x2, y2 = boxes_px.T
@@ -73,4 +80,4 @@ def _tracks(truth: Truth, view: CameraTruth) -> Tracks:
         anchor_heights_m=truth.sizes_m[seen, 2],
         anchor_covs_px2=np.zeros((len(seen), 2, 2)),
     )
-    return Tracks(ids=seen, objects=objects)
+    return Tracks(ids=numbers[seen], objects=objects)

@@ -179,7 +179,7 @@ def make_perception(stages: Stages, cameras: Iterable[Camera], centrelines_m: Li
     if not stages.needs_film:
         return lambda _: ()
     if "detect" in stages.oracles:
-        return oracles.detect
+        return oracles.TrueDetection().perceive
     perceivers = {camera.name: stages.make_perceiver(camera, centrelines_m) for camera in cameras}
 
     def perceive(step: Step) -> tuple[Tracks, ...]:
@@ -215,8 +215,13 @@ def calibrated_cameras(
     )
 
 
-def make_chain(stages: Stages, perceive: Perception, cameras: Sequence[CalibratedCamera]) -> Chain:
-    """The chain of a run over ``cameras``."""
+def make_chain(
+    stages: Stages, perceive: Perception, cameras: Sequence[CalibratedCamera], *, one_per_label: bool = True
+) -> Chain:
+    """The chain of a run over ``cameras``.
+
+    one_per_label: whether no two objects bear the same label, as on the rail, where a colour is an identity.
+    """
     analyse = stages.make_analyst().analyse
     if not stages.needs_film:
         fuse = CovarianceFuser().fuse
@@ -226,5 +231,5 @@ def make_chain(stages: Stages, perceive: Perception, cameras: Sequence[Calibrate
     def locate(_: Step, tracks: tuple[Tracks, ...]) -> tuple[GroundTracks, ...]:
         return tuple(locator.locate(each) for each in tracks)
 
-    fuse = CovarianceFuser(one_per_label=True).fuse  # a vehicle's colour is its identity
+    fuse = CovarianceFuser(one_per_label=one_per_label).fuse
     return Chain(perceive=perceive, locate=locate, fuse=fuse, analyse=analyse)

@@ -20,6 +20,7 @@ from contracts.truth import Truth
 from sim.crew import FilmSpec, film
 from sim.lights import LightPreset
 from sim.renderer import RendererName
+from sim.studio import PlantStudio
 
 VEHICLES = (1, 5, 20)
 WARM_STATES = 3  # contexts, backdrops and caches come into being
@@ -35,7 +36,7 @@ def states(count: int, vehicles: int) -> list[Truth]:
 
 def spec(size: str, renderer: RendererName, light: LightPreset = LightPreset.SUNNY) -> FilmSpec:
     rig, cameras, scene = setting(size)
-    return FilmSpec(scene, cameras, light, rig.sensor, noise_seed=SEED, keep_instances=True, renderer=renderer)
+    return FilmSpec(PlantStudio(scene, light, renderer), cameras, rig.sensor, noise_seed=SEED, keep_instances=True)
 
 
 def rates(filmed: FilmSpec, *, each: int, workers: int) -> list[tuple[float, float]]:

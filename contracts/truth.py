@@ -31,6 +31,18 @@ class Place:
     direction: int
 
 
+@dataclass(frozen=True)
+class Occlusion:
+    """Something that hides a part of an object.
+
+    by: the id of another object, what stands still ("building", "tree", ...), or "border" of the image.
+    fraction: of all pixels that the object would cover alone in an unbounded image.
+    """
+
+    by: str
+    fraction: float
+
+
 @dataclass(frozen=True, eq=False)
 class CameraTruth:
     """What one camera sees of the N objects of ``Truth``, row for row, with the lens as it is.
@@ -40,6 +52,9 @@ class CameraTruth:
     visible_boxes_px: (N, 4) upright box of its visible pixels; NaN where none is.
     footprints_px: (N, 2) image of the footprint's centre; NaN behind the camera.
     roofs_px: (N, 2) image of the centre of the upper face; NaN behind the camera.
+    footprint_corners_px: (N, 4, 2) images of the footprint's corners: rear right, rear left, front right, front left;
+        NaN behind the camera, None where not told.
+    hidden_by: N times what hides the object from this camera; empty where not told.
     instances: (H, W) uint8, 0 for background and k + 1 for row k; None where not kept.
     """
 
@@ -51,6 +66,8 @@ class CameraTruth:
     visible_boxes_px: FloatArray
     footprints_px: FloatArray
     roofs_px: FloatArray
+    footprint_corners_px: FloatArray | None = None
+    hidden_by: tuple[tuple[Occlusion, ...], ...] = ()
     instances: NDArray[np.uint8] | None = None
 
     def __post_init__(self) -> None:
@@ -60,6 +77,8 @@ class CameraTruth:
         freeze(self, "visible_boxes_px", shape=(n, 4), finite=False)
         freeze(self, "footprints_px", shape=(n, 2), finite=False)
         freeze(self, "roofs_px", shape=(n, 2), finite=False)
+        if self.footprint_corners_px is not None:
+            freeze(self, "footprint_corners_px", shape=(n, 4, 2), finite=False)
         if self.instances is not None:
             freeze(self, "instances", shape=(None, None), dtype=np.uint8)
 
@@ -74,6 +93,7 @@ class Truth:
     sizes_m: (N, 3) length, width, height.
     velocities_mps: (N, 2) of the footprint's centre.
     places: N places on the track, None where the object runs on none.
+    kinds: N kinds, finer than the labels, or none where labels say all.
     switches: state of every switch by id.
     events: what happened since the previous step, up to and including this moment.
     cameras: one view per filmed camera; empty where nothing was filmed.
@@ -88,6 +108,7 @@ class Truth:
     sizes_m: FloatArray
     velocities_mps: FloatArray
     places: tuple[Place | None, ...] = ()
+    kinds: tuple[str, ...] = ()
     switches: dict[str, SwitchState] | None = None
     events: tuple[Event, ...] = ()
     cameras: tuple[CameraTruth, ...] = ()

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from msgspec import Meta
 
 from contracts import InputError
+from sim.air import Weather
 from sim.floor import FloorSpec
 from sim.highlights import HighlightSpec
 from sim.light_program import LightChange
@@ -182,12 +183,14 @@ class RoadScenario(Scenario):
 
     network: name of a folder in ``scenarios/networks``.
     density: of the network's own traffic: 0 none, 1 as the network's file says.
+    weather: ``dry``, ``wet``, ``rain`` or ``fog`` (``sim.air``).
     vehicle, walker: who does what the author says, beside that traffic.
     """
 
     network: str
     world: Literal["road"] = "road"
     density: float = 1.0
+    weather: Weather = Weather.DRY
     vehicle: tuple[DriverSpec, ...] = ()
     walker: tuple[WalkerSpec, ...] = ()
     event: tuple[RoadEvent, ...] = ()

@@ -33,7 +33,19 @@ def build_world(
     if isinstance(scenario, RoadScenario):
         network = load_network(scenario.network)
         motion = TrafficMotion(network, routes_of(network), scenario.traffic, seed)
-        return RoadWorld(motion, scenario.frame_times_ns, rig=load_rig(scenario.rig), seed=seed, film=film)
+        return RoadWorld(
+            network,
+            motion,
+            scenario.frame_times_ns,
+            rig=load_rig(scenario.rig),
+            light=LightProgram(scenario.light, scenario.light_change),
+            weather=scenario.weather,
+            seed=seed,
+            noise_seed=noise_seed,
+            film=film,
+            workers=workers,
+            renderer=renderer,
+        )
     assert isinstance(scenario, RailScenario)
     plant = plant_of(scenario.plant)
     return RailWorld(

@@ -9,11 +9,11 @@ from contracts import Camera, ImageArray, Intrinsics, SwitchState
 from contracts.truth import Truth
 from sim.box_rays import SAMPLES_PX, Array32
 from sim.lights import Beam, Light
+from sim.plant_stage import PlantStage
 from sim.projection import project
 from sim.renderer import Window
 from sim.scene import SPOT_HEIGHT_M, SPOT_RADIUS_M, Scene, Spot
 from sim.shade import ground_in_view
-from sim.stage import Stage
 
 _LIGHTS_KEPT = 3
 _NOTHING = np.empty((0, 3))
@@ -44,7 +44,7 @@ class Backdrop:
 class Backdrops:
     """The backdrops of one camera, filmed when first asked for; those of the last few lights are kept."""
 
-    def __init__(self, camera: Camera, scene: Scene, stage: Stage) -> None:
+    def __init__(self, camera: Camera, scene: Scene, stage: PlantStage) -> None:
         self._camera, self._scene, self._stage = camera, scene, stage
         self._films: dict[Light, tuple[Backdrop, Backdrop]] = {}
         self._latest: dict[Light, tuple[frozenset[str], Backdrop]] = {}
@@ -75,7 +75,7 @@ class Backdrops:
         return self._films[light]
 
 
-def film_backdrop(stage: Stage, camera: Camera, light: Light, switches: dict[str, SwitchState]) -> Backdrop:
+def film_backdrop(stage: PlantStage, camera: Camera, light: Light, switches: dict[str, SwitchState]) -> Backdrop:
     """Film the empty scene under ``light``, the switches as given."""
     stage.place(_empty(switches))
     stage.aim(camera)
@@ -104,7 +104,7 @@ class Surfaces:
     shares: Array32
 
 
-def film_surfaces(stage: Stage, camera: Camera) -> Surfaces:
+def film_surfaces(stage: PlantStage, camera: Camera) -> Surfaces:
     """Look at each sample place by itself, which needs a picture each.
 
     A pixel's colour is the mean of its samples'; the parts' own colours say in which relation they stand, whatever the

@@ -1,31 +1,38 @@
 """What a camera sees of the truth: boxes, visible shares and centres, through its lens as it is."""
 
+from collections.abc import Callable
+
 import cv2
 import numpy as np
 
 from contracts import Camera, FloatArray, ImageArray
 from contracts.truth import CameraTruth, Truth
 from sim.projection import project
+from sim.renderer import Rendered
+
+View = Callable[[Camera, Truth, Rendered], CameraTruth]
 
 _EDGE_POINTS = 9  # along each edge: a lens bends straight edges
 _CORNERS = np.array([[x, y, z] for z in (0.0, 1.0) for y in (-0.5, 0.5) for x in (-0.5, 0.5)])
 _EDGES = [(a, b) for a in range(8) for b in range(a + 1, 8) if bin(a ^ b).count("1") == 1]
 
 
-def camera_truth(camera: Camera, state: Truth, instances: ImageArray, *, keep_instances: bool) -> CameraTruth:
-    """The view of ``camera`` on ``state``, given which object each pixel (H, W) of the bent image shows."""
+def camera_truth(camera: Camera, state: Truth, seen: Rendered) -> CameraTruth:
+    """The view of ``camera`` on ``state``, whose objects are boxes.
+
+    seen: which object each pixel (H, W) shows, as the lens bends it.
+    """
     outlines = outline_points(state)  # (N, P, 3)
     pixels, in_field = project(camera, outlines)
     whole = in_field.all(axis=1)
     n = len(state.ids)
     full, visible, fractions = np.full((n, 4), np.nan), np.full((n, 4), np.nan), np.zeros(n)
     for row in np.flatnonzero(whole).tolist():
-        full[row] = np.concatenate([pixels[row].min(axis=0), pixels[row].max(axis=0)])
-        box, count = _visible_part(instances, row, full[row])
+        full[row] = extent(pixels[row])
+        box, count = visible_part(seen.instances, row, full[row])
         if count:
             visible[row] = box
             fractions[row] = min(1.0, count / max(1, silhouette_pixels(pixels[row])))
-    roofs = state.positions_m + state.sizes_m * (0.0, 0.0, 1.0)
     return CameraTruth(
         camera=camera.name,
         index=state.index,
@@ -34,15 +41,41 @@ def camera_truth(camera: Camera, state: Truth, instances: ImageArray, *, keep_in
         full_boxes_px=full,
         visible_boxes_px=visible,
         footprints_px=project(camera, state.positions_m)[0],
-        roofs_px=project(camera, roofs)[0],
-        instances=instances if keep_instances else None,
+        roofs_px=project(camera, roof_centres(state))[0],
+        footprint_corners_px=project(camera, footprint_corners(state))[0],
+        instances=seen.instances,
     )
+
+
+def extent(points_px: FloatArray) -> FloatArray:
+    """Upright box (4,) around points (P, 2)."""
+    return np.concatenate([points_px.min(axis=0), points_px.max(axis=0)])
+
+
+def roof_centres(state: Truth) -> FloatArray:
+    """Centre of each upper face, (N, 3) world."""
+    return np.asarray(state.positions_m + state.sizes_m * (0.0, 0.0, 1.0))
+
+
+def footprint_corners(state: Truth) -> FloatArray:
+    """Corners of each footprint, (N, 4, 3) world: rear right, rear left, front right, front left."""
+    return box_corners(state)[:, [0, 2, 1, 3]]
 
 
 def outline_points(state: Truth) -> FloatArray:
     """Points along all twelve edges of every object's box, (N, P, 3) world."""
     share = np.linspace(0.0, 1.0, _EDGE_POINTS)[:, None]
     unit = np.concatenate([_CORNERS[a] * (1 - share) + _CORNERS[b] * share for a, b in _EDGES])  # (P, 3)
+    return placed(state, np.broadcast_to(unit, (len(state.ids), *unit.shape)))
+
+
+def box_corners(state: Truth) -> FloatArray:
+    """Corners of each object's box, (N, 8, 3) world."""
+    return placed(state, np.broadcast_to(_CORNERS, (len(state.ids), *_CORNERS.shape)))
+
+
+def placed(state: Truth, unit: FloatArray) -> FloatArray:
+    """Points (N, P, 3) of unit boxes, x ahead and y to the left in [-0.5, 0.5], z in [0, 1], in the world."""
     local = unit * state.sizes_m[:, None]  # (N, P, 3)
     cos, sin = np.cos(state.headings_rad)[:, None], np.sin(state.headings_rad)[:, None]
     x, y = local[..., 0], local[..., 1]
@@ -64,7 +97,7 @@ def silhouette_pixels(outline_px: FloatArray) -> int:
     return int((np.floor(last[crossed]) - np.ceil(first[crossed]) + 1).sum())
 
 
-def _visible_part(instances: ImageArray, row: int, full_box_px: FloatArray) -> tuple[FloatArray, int]:
+def visible_part(instances: ImageArray, row: int, full_box_px: FloatArray) -> tuple[FloatArray, int]:
     """Upright box (4,) around the pixels of object ``row``, to their outer edges, and their number."""
     height, width = instances.shape
     left, top = np.clip(np.floor(full_box_px[:2]).astype(int) - 2, 0, (width, height))

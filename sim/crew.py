@@ -15,12 +15,9 @@ from contracts.truth import Truth
 from sim.film import CameraFilm
 from sim.highlights import HighlightSpec
 from sim.lens import Lens, pinhole_camera
-from sim.light_program import LightProgram
-from sim.lights import LightPreset
-from sim.renderer import Renderer, RendererName
-from sim.scene import Scene
 from sim.sensor import SensorSpec
 from sim.shared_pictures import SharedPictures, Take
+from sim.studio import Studio
 
 _AHEAD = 3  # states under way to each worker: enough to keep it busy, few enough to keep memory small
 
@@ -29,13 +26,11 @@ _AHEAD = 3  # states under way to each worker: enough to keep it busy, few enoug
 class FilmSpec:
     """All that decides a film, given the states of the world."""
 
-    scene: Scene
+    studio: Studio
     cameras: tuple[Camera, ...]
-    light: LightPreset | LightProgram
     sensor: SensorSpec
     noise_seed: int
     keep_instances: bool
-    renderer: RendererName
     highlights: tuple[HighlightSpec, ...] = ()
 
 
@@ -53,21 +48,10 @@ def film(spec: FilmSpec, states: Iterable[Truth], *, workers: int) -> Iterator[t
     return filming
 
 
-def renderer_of(spec: FilmSpec, pinholes: Sequence[Camera]) -> Renderer:
-    """The renderer that the film asks for; graphics are loaded here and no sooner."""
-    if spec.renderer is RendererName.FULL:
-        from sim.full_renderer import FullRenderer
-
-        return FullRenderer(spec.scene, pinholes, spec.light)
-    from sim.layered_renderer import LayeredRenderer
-
-    return LayeredRenderer(spec.scene, pinholes, spec.light)
-
-
 def _film_here(spec: FilmSpec, states: Iterable[Truth]) -> Iterator[tuple[Take, ...]]:
     lenses = [Lens.of(camera.intrinsics) for camera in spec.cameras]
     pinholes = [pinhole_camera(camera, lens) for camera, lens in zip(spec.cameras, lenses, strict=True)]
-    renderer = renderer_of(spec, pinholes)
+    renderer = spec.studio.renderer(pinholes)
     films = [
         CameraFilm(
             camera,
@@ -77,6 +61,7 @@ def _film_here(spec: FilmSpec, states: Iterable[Truth]) -> Iterator[tuple[Take, 
             noise_seed=spec.noise_seed,
             keep_instances=spec.keep_instances,
             highlights=spec.highlights,
+            view=spec.studio.view,
         )
         for camera, lens in zip(spec.cameras, lenses, strict=True)
     ]

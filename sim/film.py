@@ -9,12 +9,14 @@ import numpy as np
 
 from contracts import Camera, Frame, ImageArray
 from contracts.truth import CameraTruth, Truth
-from sim.camera_truth import camera_truth
+from sim.camera_truth import View, camera_truth
 from sim.highlights import HighlightSpec, glare
 from sim.lens import Lens, pinhole_camera
-from sim.renderer import Rendered, Renderer, Window
+from sim.renderer import Rendered, Renderer, Still, Window
 from sim.sensor import Sensor, SensorSpec
+from sim.windows import inside
 
+_NEAREST_M = 0.1  # nobody comes nearer to a camera
 _SMEAR_PER_PICTURE_PX = 1.0  # a vehicle that moves less than this while the shutter is open looks sharp
 
 
@@ -22,6 +24,7 @@ class CameraFilm:
     """Films states of the world with one camera; every frame depends on its state and index alone.
 
     renderer: knows the camera's pinhole (``pinhole_camera``) by its name.
+    view: tells the truth of what the camera sees.
     """
 
     def __init__(
@@ -34,13 +37,15 @@ class CameraFilm:
         noise_seed: int,
         keep_instances: bool = True,
         highlights: Sequence[HighlightSpec] = (),
+        view: View = camera_truth,
     ) -> None:
-        self._camera, self._lens, self._renderer = camera, lens, renderer
+        self._camera, self._lens, self._renderer, self._view = camera, lens, renderer, view
         self._exposure_s = sensor.exposure_ms * 1e-3
         self._keep_instances = keep_instances
         self._still: ImageArray | None = None
         self._still_developed: ImageArray = np.empty((0, 0, 3), np.uint8)
         self._canvas, self._dirty = self._still_developed, tuple[Window, ...]()
+        self._things: tuple[Still, Still] | None = None
         size = camera.intrinsics
         shine = glare(pinhole_camera(camera, lens), highlights, gain=sensor.gain)
         self._glare = None if shine is None else lens.bend(shine)
@@ -55,8 +60,9 @@ class CameraFilm:
             image = np.asarray(cv2.add(image, self._glare), np.uint8)
         image = self._sensor.grain(self._sensor.balance(image, state.time_ns), state.index)
         frame = Frame(self._camera.name, state.index, state.time_ns, image)
-        instances = self._bent_instances(rendered, windows)
-        return frame, camera_truth(self._camera, state, instances, keep_instances=self._keep_instances)
+        seen = Rendered(image, self._bent_instances(rendered, windows), things=self._bent_things(rendered))
+        truth = self._view(self._camera, state, seen)
+        return frame, truth if self._keep_instances else replace(truth, instances=None)
 
     def _exposed(self, state: Truth) -> Rendered:
         """The mean of pictures spread evenly over the exposure; identities at its middle."""
@@ -81,7 +87,7 @@ class CameraFilm:
             outer = _grown(inner, self._sensor.reach_px, self._canvas.shape)
             if self._canvas[inner].size:
                 part = self._sensor.focus(self._lens.bend(rendered.image, outer))
-                self._canvas[inner] = part[_inside(inner, outer)]
+                self._canvas[inner] = part[inside(inner, outer)]
         return self._canvas
 
     def _bent_instances(self, rendered: Rendered, windows: Sequence[Window]) -> ImageArray:
@@ -94,11 +100,21 @@ class CameraFilm:
                 instances[window] = self._lens.bend_mask(rendered.instances, window)
         return instances
 
+    def _bent_things(self, rendered: Rendered) -> Still | None:
+        """What stands still; bent anew only if it is another than before."""
+        straight = rendered.things
+        if straight is None:
+            return None
+        if self._things is None or self._things[0] is not straight:
+            self._things = straight, replace(straight, kinds=self._lens.bend_mask(straight.kinds))
+        return self._things[1]
+
     def _sub_frames_s(self, state: Truth) -> list[float]:
         """Moments relative to mid-exposure at which pictures are taken: an odd number, 0.0 among them."""
-        fastest_mps = float(np.hypot(*state.velocities_mps.T).max(initial=0.0))
-        px_per_m = self._camera.intrinsics.fx_px / self._camera.pose.position_m[2]
-        half = math.ceil((fastest_mps * self._exposure_s * px_per_m / _SMEAR_PER_PICTURE_PX - 1.0) / 2.0)
+        away_m = np.linalg.norm(state.positions_m - self._camera.pose.position_m, axis=1)
+        px_per_s = self._camera.intrinsics.fx_px * np.hypot(*state.velocities_mps.T) / np.maximum(away_m, _NEAREST_M)
+        smear_px = float(px_per_s.max(initial=0.0)) * self._exposure_s
+        half = math.ceil((smear_px / _SMEAR_PER_PICTURE_PX - 1.0) / 2.0)
         half = max(0, half)
         return [k * self._exposure_s / (2 * half + 1) for k in range(-half, half + 1)]
 
@@ -116,12 +132,12 @@ def mean_picture(middle: Rendered, others: Sequence[Rendered]) -> Rendered:
         return middle
     everyone = [middle, *others]
     if middle.still is None or any(other.still is not middle.still for other in others):
-        return Rendered(_mean([rendered.image for rendered in everyone]), middle.instances)
+        return replace(middle, image=_mean([rendered.image for rendered in everyone]), still=None, windows=())
     windows = tuple(window for rendered in everyone for window in rendered.windows)
     image = middle.still.copy()
     for window in windows:
         image[window] = _mean([rendered.image[window] for rendered in everyone])
-    return Rendered(image, middle.instances, middle.still, windows)
+    return replace(middle, image=image, windows=windows)
 
 
 def _mean(images: Sequence[ImageArray]) -> ImageArray:
@@ -138,9 +154,3 @@ def _grown(window: Window, by_px: int, shape: tuple[int, ...]) -> Window:
         slice(max(0, rows.start - by_px), min(shape[0], rows.stop + by_px)),
         slice(max(0, columns.start - by_px), min(shape[1], columns.stop + by_px)),
     )
-
-
-def _inside(inner: Window, outer: Window) -> Window:
-    """Where ``inner`` lies in a picture of ``outer`` alone."""
-    (rows, columns), (top, left) = inner, (outer[0].start, outer[1].start)
-    return slice(rows.start - top, rows.stop - top), slice(columns.start - left, columns.stop - left)

@@ -9,10 +9,10 @@ from contracts import Camera, ImageArray, InputError
 from contracts.truth import Truth
 from sim.light_program import LightProgram, lights_at
 from sim.lights import Light, LightPreset
+from sim.plant_stage import PlantStage
 from sim.renderer import Rendered, blended
 from sim.scene import Scene
 from sim.shade import along_beam, ground_in_view, mixed, world_points
-from sim.stage import Stage
 
 
 class FullRenderer:
@@ -25,7 +25,7 @@ class FullRenderer:
         self._cameras = {camera.name: camera for camera in cameras}
         self._light = light
         sizes = [(camera.intrinsics.width_px, camera.intrinsics.height_px) for camera in cameras]
-        self._stage = Stage(scene, (max(w for w, _ in sizes), max(h for _, h in sizes)))
+        self._stage = PlantStage(scene, (max(w for w, _ in sizes), max(h for _, h in sizes)))
 
     def render(self, state: Truth, camera: str) -> Rendered:
         """See ``Renderer.render``; raises InputError for a camera that the renderer was not made with."""

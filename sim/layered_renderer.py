@@ -21,9 +21,9 @@ from contracts.truth import Truth
 from sim.layered_view import LayeredView
 from sim.light_program import LightProgram, lights_at
 from sim.lights import LightPreset
+from sim.plant_stage import PlantStage
 from sim.renderer import Rendered, blended
 from sim.scene import Scene
-from sim.stage import Stage
 
 
 class LayeredRenderer:
@@ -35,7 +35,7 @@ class LayeredRenderer:
     def __init__(self, scene: Scene, cameras: Sequence[Camera], light: LightPreset | LightProgram) -> None:
         self._light = light
         sizes = [(camera.intrinsics.width_px, camera.intrinsics.height_px) for camera in cameras]
-        self._stage = Stage(scene, (max(w for w, _ in sizes), max(h for _, h in sizes)))
+        self._stage = PlantStage(scene, (max(w for w, _ in sizes), max(h for _, h in sizes)))
         self._views = {camera.name: LayeredView(camera, scene, self._stage) for camera in cameras}
 
     def render(self, state: Truth, camera: str) -> Rendered:

@@ -15,11 +15,11 @@ from sim.box_shadow import BoxShadow
 from sim.lights import Beam, Light, ShadowBand
 from sim.outlines import covered, window_around
 from sim.paint import FACES, darkened, paint_table, painted
+from sim.plant_stage import PlantStage
 from sim.renderer import Rendered, Window
 from sim.scene import Scene
 from sim.shade import along_beam, mixed, points_at, world_points
 from sim.skyline import Skyline
-from sim.stage import Stage
 from sim.still_solids import StillSolids
 
 _NEARER = np.float32(1.0 - 4e-6)  # of boxes that run into each other the first one shows
@@ -34,7 +34,7 @@ class LayeredView:
     shade: (S, H, W) bit b is set where a vehicle keeps beam b away.
     """
 
-    def __init__(self, camera: Camera, scene: Scene, stage: Stage) -> None:
+    def __init__(self, camera: Camera, scene: Scene, stage: PlantStage) -> None:
         self._camera = camera
         surfaces = film_surfaces(stage, camera)
         self._edge, self._shares = surfaces.edge, surfaces.shares

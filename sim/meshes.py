@@ -53,7 +53,7 @@ def boxes(centres_m: FloatArray, headings_rad: FloatArray, size_m: FloatArray, *
     low = np.concatenate([ground, np.full((n, 4, 1), bottom_m)], axis=-1)
     high = np.concatenate([ground, np.full((n, 4, 1), bottom_m + height)], axis=-1)
     sides = [np.stack([low[:, k], low[:, k - 3], high[:, k - 3], high[:, k]], axis=1) for k in range(4)]
-    return _quads(np.concatenate([high, *sides]))
+    return quads(np.concatenate([high, *sides]))
 
 
 def prism(outline_m: FloatArray, *, bottom_m: float, top_m: float) -> Mesh:
@@ -62,7 +62,7 @@ def prism(outline_m: FloatArray, *, bottom_m: float, top_m: float) -> Mesh:
     low = np.column_stack([outline_m, np.full(n, bottom_m)])
     high = np.column_stack([outline_m, np.full(n, top_m)])
     fan = np.array([[0, k, k + 1] for k in range(1, n - 1)])
-    sides = _quads(np.stack([low, np.roll(low, -1, 0), np.roll(high, -1, 0), high], axis=1))
+    sides = quads(np.stack([low, np.roll(low, -1, 0), np.roll(high, -1, 0), high], axis=1))
     return merged([Mesh(high, fan), Mesh(low, fan[:, ::-1]), sides])
 
 
@@ -80,11 +80,11 @@ def discs(centres_m: FloatArray, radius_m: float, *, slices: int = 32) -> Mesh:
 
 def _strip(first: FloatArray, second: FloatArray) -> Mesh:
     """The surface between two lines (N, 3); its front is where ``first`` lies to the left of ``second``."""
-    return _quads(np.stack([first[:-1], second[:-1], second[1:], first[1:]], axis=1))
+    return quads(np.stack([first[:-1], second[:-1], second[1:], first[1:]], axis=1))
 
 
-def _quads(corners_m: FloatArray) -> Mesh:
-    """Quadrilaterals (Q, 4, 3), corners counter-clockwise."""
+def quads(corners_m: FloatArray) -> Mesh:
+    """Quadrilaterals (Q, 4, 3), corners counter-clockwise seen from outside."""
     first = 4 * np.arange(len(corners_m))[:, None]
     faces = np.concatenate([first + np.array(half) for half in ((0, 1, 2), (0, 2, 3))])
     return Mesh(corners_m.reshape(-1, 3), faces)

@@ -16,6 +16,7 @@ from sim.plant_scene import scene_of_plant
 from sim.renderer import RendererName
 from sim.rig import RigSpec, nominal_cameras, true_cameras
 from sim.sensor import SensorSpec
+from sim.studio import PlantStudio
 from sim.surroundings import Surroundings
 
 _BARE = Surroundings()
@@ -93,16 +94,14 @@ class RailWorld:
         from sim.crew import FilmSpec, film
 
         spec = FilmSpec(
-            self._scene,
+            PlantStudio(self._scene, self._light, self._renderer),
             self._cameras,
-            self._light,
             self._sensor,
             noise_seed=self._noise_seed,
             keep_instances=self._keep_instances,
-            renderer=self._renderer,
             highlights=self._highlights,
         )
-        return map(_step, states, film(spec, filmed, workers=self._workers))
+        return map(step_of, states, film(spec, filmed, workers=self._workers))
 
     def board_views(self, camera: str) -> Iterator[Frame]:
         """The checkerboard in many poses before ``camera``; InputError if the rig has no such camera."""
@@ -120,6 +119,7 @@ class RailWorld:
         )
 
 
-def _step(state: Truth, takes: Sequence[tuple[Frame, CameraTruth]]) -> Step:
+def step_of(state: Truth, takes: Sequence[tuple[Frame, CameraTruth]]) -> Step:
+    """A step of the world from its state and what the cameras made of it."""
     frames, views = zip(*takes, strict=True)
     return Step(frames, replace(state, cameras=views))

@@ -22,12 +22,26 @@ class RendererName(StrEnum):
 
 
 @dataclass(frozen=True, eq=False)
+class Still:
+    """What stands still in each pixel of a pinhole's picture.
+
+    kinds: (H, W) uint8, 0 for nothing and k + 1 for ``names[k]``; the same array from frame to frame.
+    upright: names of what stands, and may hide something, rather than lies on the ground.
+    """
+
+    kinds: ImageArray
+    names: tuple[str, ...]
+    upright: frozenset[str]
+
+
+@dataclass(frozen=True, eq=False)
 class Rendered:
     """A clean picture through a pinhole, before lens and sensor.
 
     image: (H, W, 3) uint8 BGR.
     instances: (H, W) uint8, 0 for background and k + 1 for row k of the truth; never antialiased.
     still: a picture without vehicles that the renderer keeps, unchanged, from frame to frame; None if it keeps none.
+    things: what stands still, where the renderer tells it.
     windows: the only parts in which ``image`` differs from ``still`` and ``instances`` from 0.
     """
 
@@ -35,6 +49,7 @@ class Rendered:
     instances: ImageArray
     still: ImageArray | None = None
     windows: tuple[Window, ...] = ()
+    things: Still | None = None
 
 
 def blended(pictures: Sequence[tuple[float, Rendered]]) -> Rendered:
@@ -42,7 +57,7 @@ def blended(pictures: Sequence[tuple[float, Rendered]]) -> Rendered:
     (weight, picture), *second = pictures
     for other_weight, other in second:
         image = cv2.addWeighted(picture.image, weight, other.image, other_weight, 0.0)
-        picture = Rendered(np.asarray(image, np.uint8), picture.instances)
+        picture = Rendered(np.asarray(image, np.uint8), picture.instances, things=picture.things)
     return picture
 
 

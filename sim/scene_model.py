@@ -7,6 +7,7 @@ from contracts import FloatArray
 from sim.floor import MARK_RADIUS_M, PERIOD_M, floor_texture
 from sim.lights import Rgb
 from sim.meshes import Mesh, boxes, discs, merged, prism, ribbon
+from sim.model_parts import add_mesh, add_still, set_quality
 from sim.scene import BUFFER_SIZE_M, FLOOR_Z_M, SPOT_HEIGHT_M, SPOT_RADIUS_M, Scene
 from sim.streams import stream
 from sim.surroundings import SHEET_M
@@ -31,22 +32,13 @@ def build_model(scene: Scene, *, buffer_px: tuple[int, int]) -> mujoco.MjModel:
     ``sheet/<number>`` lie flat on the floor.
     """
     spec = mujoco.MjSpec()
-    _set_quality(spec, buffer_px)
+    set_quality(spec, buffer_px)
     _add_floor(spec, scene)
     for name, mesh, colour in _furniture(scene):
-        _add_mesh(spec, name, mesh, colour)
+        add_mesh(spec, name, mesh)
+        add_still(spec, name, colour)
     _add_clutter(spec, scene)
     return spec.compile()
-
-
-def _set_quality(spec: mujoco.MjSpec, buffer_px: tuple[int, int]) -> None:
-    spec.visual.global_.offwidth, spec.visual.global_.offheight = buffer_px
-    quality = spec.visual.quality
-    quality.offsamples, quality.shadowsize = 4, 2048
-    quality.numslices = quality.numstacks = 8
-    quality.numquads = 1
-    spec.visual.headlight.active = 0
-    spec.stat.extent, spec.stat.center = 1.0, (0.0, 0.0, 0.0)
 
 
 def _add_floor(spec: mujoco.MjSpec, scene: Scene) -> None:
@@ -110,18 +102,6 @@ def _sleepers(line_m: FloatArray) -> Mesh:
     centres = np.column_stack([np.interp(at, along, line_m[:, k]) for k in range(2)])
     segment = np.clip(np.searchsorted(along, at) - 1, 0, len(step) - 1)
     return boxes(centres, np.arctan2(step[segment, 1], step[segment, 0]), np.array(_SLEEPER_M))
-
-
-def _add_mesh(spec: mujoco.MjSpec, name: str, mesh: Mesh, colour: Rgb) -> None:
-    spec.add_mesh(
-        name=name,
-        uservert=mesh.vertices_m.ravel().tolist(),
-        userface=mesh.faces.ravel().tolist(),
-        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
-    )
-    spec.worldbody.add_geom(
-        name=name, type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, rgba=[*colour, 1.0], contype=0, conaffinity=0
-    )
 
 
 def _add_clutter(spec: mujoco.MjSpec, scene: Scene) -> None:

@@ -120,6 +120,7 @@ class TrafficRun:
             sizes_m=np.array([body.kind.size_m for body in bodies]).reshape(-1, 3),
             velocities_mps=np.array([(p.vx_mps, p.vy_mps) for p in poses]).reshape(-1, 2),
             places=(None,) * len(there),
+            kinds=tuple(body.kind.name for body in bodies),
             events=happened,
         )
 

@@ -183,13 +183,12 @@ def test_what_is_wrong_in_a_road_scenario_is_told_with_file_line_and_key(tmp_pat
         assert word in message
 
 
-def test_a_road_is_a_world_at_the_level_of_truth_and_cannot_be_filmed_yet(tmp_path):
+def test_a_road_is_a_world_that_can_be_had_without_film(tmp_path):
     scenario = load_scenario(written(tmp_path, ROAD))
     steps = list(build_world(scenario, film=False).steps())
     assert len(steps) == 50
     assert steps[-1].truth.labels == ("car",)
-    with pytest.raises(InputError, match="--oracle locate"):
-        build_world(scenario)
+    assert all(step.frames == () for step in steps)
 
 
 def test_a_key_of_a_road_scenario_may_vary(tmp_path):

@@ -10,15 +10,16 @@ from sim.camera_truth import camera_truth, outline_points, silhouette_pixels
 from sim.full_renderer import FullRenderer
 from sim.lights import LightPreset
 from sim.projection import project, trusted_radius
+from sim.renderer import Rendered
 
-UNSEEN = np.zeros((480, 640), np.uint8)
+UNSEEN = Rendered(np.zeros((480, 640, 3), np.uint8), np.zeros((480, 640), np.uint8))
 
 
 @given(st.floats(-0.4, 0.4), st.floats(-0.3, 0.3), st.floats(-180.0, 180.0))
 def test_the_full_box_holds_every_point_of_the_object_and_touches_it(x, y, heading_deg):
     view = camera(distortion=(-0.1, 0.04, 0.001, 0.0, 0.0))
     here = state(("red", x, y, heading_deg))
-    box = camera_truth(view, here, UNSEEN, keep_instances=False).full_boxes_px[0]
+    box = camera_truth(view, here, UNSEEN).full_boxes_px[0]
     pixels, _ = project(view, outline_points(here)[0])
     assert (pixels >= box[:2] - 1e-9).all()
     assert (pixels <= box[2:] + 1e-9).all()
@@ -37,9 +38,7 @@ def test_the_silhouette_of_a_rectangle_counts_its_pixel_centres(width, height, u
 
 
 def test_an_object_behind_the_camera_has_no_boxes_and_is_not_visible():
-    truth = camera_truth(
-        camera(position_m=(0.0, 0.0, 0.03)), state(("red", 0.0, 0.0, 0.0)), UNSEEN, keep_instances=True
-    )
+    truth = camera_truth(camera(position_m=(0.0, 0.0, 0.03)), state(("red", 0.0, 0.0, 0.0)), UNSEEN)
     assert np.isnan(truth.full_boxes_px).all()
     assert np.isnan(truth.roofs_px).all()
     assert truth.visible_fractions[0] == 0.0
@@ -59,9 +58,9 @@ def test_visible_shares_tell_open_hidden_and_cut_objects_apart():
     renderer = FullRenderer(empty_scene(), [view], LightPreset.CLOUDY)
     edge_m = 319.5 / 640 * 1.4 + 0.03  # where the ground leaves the image on the right
     here = state(("red", 0.0, 0.0, 0.0), ("blue", 0.0, 0.03, 0.0), ("green", edge_m, 0.3, 0.0), ("cyan", 3.0, 0.0, 0.0))
-    instances = renderer.render(here, "eye").instances
+    seen = renderer.render(here, "eye")
     renderer.close()
-    truth = camera_truth(view, here, instances, keep_instances=True)
+    truth = camera_truth(view, here, seen)
     red, blue, green, cyan = truth.visible_fractions
     assert red + blue > 0.95  # two boxes that overlap share what is to be seen
     assert 0.3 < min(red, blue) < 0.8

@@ -45,10 +45,7 @@ def test_both_renderers_draw_objects_bridges_and_their_shadows_on_vehicles_alike
 def test_a_bridge_hides_what_opencv_says_and_changes_nothing_else_of_the_truth():
     bare = Scene(FLOOR_M, np.array([[1.95, 1.95, 0.0]]))
     renderers = [LayeredRenderer(scene, [VIEW], LightPreset.CLOUDY) for scene in (SCENE, bare)]
-    hidden, free = (
-        camera_truth(VIEW, SCENES[0], renderer.render(SCENES[0], "eye").instances, keep_instances=False)
-        for renderer in renderers
-    )
+    hidden, free = (camera_truth(VIEW, SCENES[0], renderer.render(SCENES[0], "eye")) for renderer in renderers)
     pictures = [renderer.render(SCENES[0], "eye") for renderer in renderers]
     deck = THINGS[3].solid
     top, _ = project(VIEW, deck.corners_m)

@@ -17,7 +17,15 @@ from perception.hbp import HistogramBackProjection
 from perception.identity import ColourIdentity
 from perception.kcf import CorrelationTracker
 from perception.model_views import ModelViews
-from perception.roof_following import COVERED_PX, FollowedRoof, follow_roof, resume_following, start_following
+from perception.roof_cover import COVERED_PX, within_border
+from perception.roof_following import (
+    REFIT_EVERY,
+    FollowedRoof,
+    follow_part,
+    follow_roof,
+    resume_following,
+    start_following,
+)
 from perception.roof_window import RoofPose
 from perception.track_bed import TrackBeds
 from perception.view import RoofView
@@ -26,6 +34,7 @@ from perception.watch import ColourWatch
 CONFIDENT = 6.0  # peak to side lobe ratio from which the filter's peak is believed
 PREDICTABLE_PX = 1.5  # a filter's peak so near to the prediction does not better it; something may cover the vehicle
 WHOLE = 0.93  # share of a roof from which it counts as seen from end to end
+HALF = 0.5  # share of a roof below which nobody knows which part of it is seen, unless it is followed
 REMEMBERED_S = 3.0  # the motion of a vehicle that was lost
 UNSURE_PX = 1.5  # deviation from which an anchor has two explanations
 SAME_PX = 3.0  # a detection so near to a followed roof is the same vehicle
@@ -135,11 +144,9 @@ class HybridTracker:
     def _confirmed(self, label: str, frame: Frame, found: Detections, row: int) -> "_Target | None":
         """The target that a detection confirms or starts; None where its roof cannot be followed."""
         known, quad_px = self._targets.get(label), found.quads_px[row]
-        if found.scores[row] < WHOLE:  # what is followed is better known
-            return None if known is None else replace(known, doubts=0)
-        roof = start_following(frame.image, quad_px)
-        if roof is not None and label in self._lost:
-            roof = self._lost[label].resumed(roof, frame)
+        if known is not None and found.scores[row] < WHOLE:  # what is followed is better known
+            return replace(known, doubts=0)
+        roof = self._roof_found(label, frame, found, row)
         if roof is None:
             return None
         if known is not None and np.abs(known.point_px - quad_px.mean(axis=0)).max() <= SAME_PX:
@@ -147,6 +154,18 @@ class HybridTracker:
             return replace(known, doubts=0) if shorter else known.measured(roof)
         views = dict(zip(self._models, self._model_views.of(frame.image), strict=True))
         return _Target.started(self._models[label], views[label], roof, frame)
+
+    def _roof_found(self, label: str, frame: Frame, found: Detections, row: int) -> FollowedRoof | None:
+        """The roof that was detected, if it can be followed: what hides a part of it must be known."""
+        quad_px, lost = found.quads_px[row], self._lost.get(label)
+        resumed = None if lost is None else lost.resumed(quad_px, frame)
+        if resumed is not None:
+            return resumed
+        at_border = within_border(frame.image, RoofPose.of(quad_px))[1].any()
+        sure = np.linalg.eigvalsh(found.anchor_covs_px2[row])[-1] < UNSURE_PX**2
+        if found.scores[row] >= WHOLE or (at_border and sure):
+            return start_following(frame.image, quad_px)
+        return None
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,18 +216,23 @@ class _Target:
         shift, moments, visible = _completed(roof, self.model, self.view)
         return replace(self, roof=roof, shift_px=shift, moments_px2=moments, visible=visible, doubts=0)
 
-    def resumed(self, roof: FollowedRoof, frame: Frame) -> FollowedRoof | None:
-        """A roof found again; what it lacks of its length is at the end that the last motion speaks for."""
-        missing_px = self.roof.pose.size_px - roof.pose.size_px
-        axis = int(np.argmax(missing_px))
-        if missing_px[axis] <= COVERED_PX:
-            return roof
-        way = roof.pose.axes[axis]
-        ahead = np.sign((self.expected(frame.time_ns).centre_px - roof.pose.centre_px) @ way)
-        whole = RoofPose(
-            roof.pose.centre_px + ahead * missing_px[axis] / 2 * way, roof.pose.axes, self.roof.pose.size_px
-        )
-        return resume_following(frame.image, self.roof, whole)
+    def resumed(self, quad_px: FloatArray, frame: Frame) -> FollowedRoof | None:
+        """The roof found again about at a quadrangle (4, 2)."""
+        found = RoofPose.of(quad_px).facing(self.roof.pose)
+        pose = found.resized(self._size_px_at(found) - found.size_px)
+        return resume_following(frame.image, self.roof, pose, self.expected(frame.time_ns))
+
+    def _size_px_at(self, pose: RoofPose) -> FloatArray:
+        """(2,) of the roof, which looks larger or smaller at another place of the image."""
+        here, there = (self.view.at(at.centre_px).px_per_m_along(at.axes) for at in (self.roof.pose, pose))
+        return np.asarray(self.roof.pose.size_px * there / here)
+
+    def _sought(self, frame: Frame, expected: RoofPose) -> RoofPose:
+        """Where the correlation filter finds the vehicle, if that is not about where it is expected."""
+        found = self.seeker.find(frame.image, expected.centre_px, expected.angle_rad)
+        surprise_px = found.centre_px - expected.centre_px
+        surprising = found.confidence >= CONFIDENT and np.abs(surprise_px).max() > PREDICTABLE_PX
+        return expected.displaced(surprise_px, 0.0) if surprising else expected
 
     def doubted(self) -> "_Target":
         return replace(self, doubts=self.doubts + 1)
@@ -219,11 +243,10 @@ class _Target:
         if past_s <= 0:
             return None
         before, expected = self.roof.pose, self.expected(frame.time_ns)
-        found = self.seeker.find(frame.image, expected.centre_px, expected.angle_rad)
-        surprise_px = found.centre_px - expected.centre_px
-        if found.confidence >= CONFIDENT and np.abs(surprise_px).max() > PREDICTABLE_PX:
-            expected = expected.displaced(surprise_px, 0.0)
-        roof = follow_roof(frame.image, self.roof, expected)
+        if not self.roof.whole or self.roof.age + 1 >= REFIT_EVERY:
+            expected = expected.resized(self._size_px_at(expected) - expected.size_px)
+        sought = self._sought(frame, expected) if self.roof.whole else expected
+        roof = follow_roof(frame.image, self.roof, sought) or follow_part(frame.image, self.roof, expected)
         if roof is None:
             return None
         turn_rad = (roof.pose.angle_rad - before.angle_rad + np.pi) % (2 * np.pi) - np.pi
@@ -231,6 +254,7 @@ class _Target:
         completed = self.shift_px, self.moments_px2, self.visible
         if roof.age == 0:
             completed = _completed(roof, self.model, self.view)
+        if roof.age == 0 and roof.whole:
             self.seeker.learn(frame.image, roof.pose.centre_px, roof.pose.angle_rad)
         return _Target(
             self.model,
@@ -258,7 +282,7 @@ def _completed(roof: FollowedRoof, model: ColourModel, view: RoofView) -> tuple[
     axes, middle = roof.pose.axes, roof.pose.centre_px
     anchor = complete_roof(roof.roof, model, view.at(middle))
     moments = ((axes @ anchor.cov_px2) * axes).sum(axis=1)
-    return axes @ (anchor.point_px - middle), moments, anchor.visible
+    return axes @ (anchor.point_px - middle), moments, anchor.visible * roof.shown
 
 
 def _detections(frame: Frame, targets: dict[str, _Target], found: Detections | None) -> Detections:
@@ -279,4 +303,5 @@ def _detections(frame: Frame, targets: dict[str, _Target], found: Detections | N
     )
     if found is None:
         return followed
-    return followed.joined(found.take([row for row, label in enumerate(found.labels) if label not in targets]))
+    beside = [row for row, label in enumerate(found.labels) if label not in targets and found.scores[row] >= HALF]
+    return followed.joined(found.take(beside))

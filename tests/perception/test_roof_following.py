@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from contracts import FloatArray, ImageArray
 from perception.roof import measure_roof
-from perception.roof_following import REFIT_EVERY, FollowedRoof, follow_roof, start_following
+from perception.roof_cover import covered_sides
+from perception.roof_following import REFIT_EVERY, FollowedRoof, follow_part, follow_roof, start_following
 from perception.roof_window import RoofPose
 
 BACKGROUND = floor(np.random.default_rng(3))
@@ -93,15 +94,85 @@ def test_a_cover_over_half_of_the_roof_is_no_roof():
     before = started(BOX)
     image = draw(BACKGROUND, [BOX])
     cv2.rectangle(image, (300, 100), (400, 260), (70, 70, 70), thickness=-1)
-    after = follow_roof(image, before, before.pose)
-    assert after is None or not after.roof.sides_measured.all()
+    assert follow_roof(image, before, before.pose) is None
 
 
-def test_a_roof_at_the_border_is_left_to_a_full_search():
-    edge = replace(BOX, centre_px=(20.0, 180.0))
-    assert start_following(draw(BACKGROUND, [edge]), edge.roof_quad_px) is None
-    before = started(BOX)
-    assert follow_roof(draw(BACKGROUND, [BOX]), before, before.pose.displaced(np.array([-280.0, 0.0]), 0.0)) is None
+def seen_again(image: ImageArray, before: FollowedRoof, step_px: FloatArray) -> FollowedRoof | None:
+    expected = before.pose.displaced(step_px, 0.0)
+    return follow_roof(image, before, expected) or follow_part(image, before, expected)
+
+
+def under_bridge(box: Box) -> ImageArray:
+    image = draw(BACKGROUND, [box])
+    image[:, 360:480] = (70, 80, 90)
+    return image
+
+
+@given(st.floats(3.0, 10.0), st.floats(-0.5, 0.5))
+@settings(max_examples=10, deadline=None)
+def test_a_vehicle_is_followed_under_a_bridge_and_back_as_far_as_enough_of_it_shows(speed_px, sideways_px):
+    """It goes in, stops there for three frames, and comes out backwards: the front is hidden all that time."""
+    box, steps = Box("blue", (310.3, 180.7)), [speed_px] * 30
+    followed, shown = started(box), 1.0
+    ways = [step for k, step in enumerate(steps) if 310.3 + speed_px * (k + 1) < 360 + 35 - 0.45 * 70]
+    for step in [*ways, 0.0, 0.0, 0.0, *(-way for way in ways)]:
+        box = replace(box, centre_px=(box.centre_px[0] + step, 180.7 + sideways_px))
+        followed = seen_again(under_bridge(box), followed, np.array([step, 0.0]))
+        assert error_px(followed, box) < 0.4
+        shown = min(shown, followed.shown)
+        assert followed.whole == (box.centre_px[0] + 35 < 360 + 1.2) or 360 <= box.centre_px[0] + 35 < 362
+    assert shown < 0.6
+    assert followed.whole
+
+
+@pytest.mark.parametrize("speed_px", [0.1, 0.4, 1.1])
+def test_a_cover_that_comes_slowly_is_noticed(speed_px):
+    box = Box("blue", (320.3, 180.7))
+    followed = started(box)
+    for _ in range(int(12 / speed_px)):
+        box = replace(box, centre_px=(box.centre_px[0] + speed_px, 180.7))
+        followed = seen_again(under_bridge(box), followed, np.array([speed_px, 0.0]))
+        assert error_px(followed, box) < 0.7  # half of what a roof may seem shorter, and a little
+    assert not followed.whole
+    assert error_px(followed, box) < 0.2
+
+
+@given(st.floats(-np.pi, np.pi), st.floats(3.0, 9.0))
+@settings(max_examples=12, deadline=None)
+def test_a_vehicle_is_followed_over_the_border_and_back(heading, speed_px):
+    """Whatever way it lies, the border may cut an end of it, a side, or a corner."""
+    box = Box("blue", (50.0, 180.7), heading_rad=heading)
+    followed = started(box)
+    step = -speed_px
+    while box.centre_px[0] <= 50.0:
+        box = replace(box, centre_px=(box.centre_px[0] + step, 180.7))
+        followed = seen_again(draw(BACKGROUND, [box]), followed, np.array([step, 0.0]))
+        assert error_px(followed, box) < 0.5
+        step = speed_px if followed.shown < 0.62 else step
+    assert followed.whole
+
+
+def test_a_roof_that_the_border_cuts_is_measured_where_a_detector_completed_it():
+    edge = Box("blue", (20.0, 180.0))
+    followed = start_following(draw(BACKGROUND, [edge]), edge.roof_quad_px)
+    assert error_px(followed, edge) < 0.2
+    assert followed.hidden.sum() == 1
+    assert followed.shown < 0.8
+
+
+@given(st.floats(20, 60), st.floats(2, 9), st.floats(-1.5, 6.0), st.booleans(), st.floats(-np.pi, np.pi))
+def test_what_covers_a_roof_stands_still_so_it_hides_the_end_that_did_not_show_before(shown, missing, on, ahead, turn):
+    """A whole roof moved on; a cover now hides ``missing`` of the end that leads, or of the other one, moving back."""
+    last = RoofPose(np.array([100.0, 80.0]), np.eye(2), np.array([shown + missing, 20.0])).displaced(np.zeros(2), turn)
+    way = (1 if ahead else -1) * last.axes[0]
+    middle = last.centre_px + (max(on, 0.0) + missing / 2) * way
+    part = RoofPose(middle, last.axes, np.array([shown, 20.0]))
+    none, side = np.zeros(4, np.bool_), 1 if ahead else 3
+    hidden = covered_sides(part, np.array([missing, 0.0]), last, none, none)
+    assert hidden.tolist() == [k == side for k in range(4)]
+    beyond = RoofPose(part.centre_px + (shown + 15) * way, last.axes, part.size_px)  # it shows behind the cover
+    hidden = covered_sides(beyond, np.array([missing, 0.0]), part, hidden, none)
+    assert hidden.tolist() == [k == (side + 2) % 4 for k in range(4)]
 
 
 @given(st.floats(-np.pi, np.pi), st.floats(20, 90), st.floats(10, 50), st.booleans())

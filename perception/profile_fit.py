@@ -18,6 +18,7 @@ from perception.edge_profile import (
 from perception.roof import REACH_PX, WALL_EVIDENCE
 from perception.roof_window import SIDE_OF_ROW, WindowPlan
 
+_NONE = np.zeros(4, np.bool_)
 _DAMPING = 1e-3
 _PRIOR = np.diag([_DAMPING, _DAMPING, 1 / SHADE_SIGMA**2, _DAMPING, _DAMPING, _DAMPING])
 _FIRST_ROW, _LAST_ROW = np.array([0, 2, 3, 5]), np.array([1, 2, 4, 5])  # of each side
@@ -46,14 +47,19 @@ class ProfileFit:
     costs: FloatArray
 
 
-def fit_profiles(rows: FloatArray, plan: WindowPlan, walls_px: FloatArray | None = None) -> ProfileFit:
-    """Fit the profiles ``rows`` (6, T, 3) of a window; ``walls_px`` (4,) are about as wide, if that is known."""
+def fit_profiles(
+    rows: FloatArray, plan: WindowPlan, walls_px: FloatArray | None = None, hidden: BoolArray = _NONE
+) -> ProfileFit:
+    """Fit the profiles ``rows`` (6, T, 3) of a window; ``walls_px`` (4,) are about as wide, if that is known.
+
+    hidden: (4,) sides that are not there, so that the other long one alone tells the turn.
+    """
     fits = fit_edges(_of_sides(rows), plan.t_px[_FIRST_ROW], walls_px)
     walled = fits.costs[0] - fits.costs[1] > WALL_EVIDENCE
     pick = walled.astype(np.intp), np.arange(4)
     return ProfileFit(
         edges_px=fits.edges_px[pick],
-        turn_rad=_turn_rad(rows, plan),
+        turn_rad=_turn_rad(rows, plan, ~hidden[[0, 2]]),
         walled=walled,
         walls_px=np.minimum(fits.walls_px[1], REACH_PX),
         shades=fits.shades[1],
@@ -131,11 +137,11 @@ def _weights(profiles: FloatArray, roof: FloatArray, t_px: FloatArray) -> FloatA
     return np.asarray(np.exp(-((t_px / REACH_SIGMA_PX) ** 2)) / sigma**2)
 
 
-def _turn_rad(rows: FloatArray, plan: WindowPlan) -> float:
-    """By how much the long sides lie askew in the window, from their halves' shift against each other."""
+def _turn_rad(rows: FloatArray, plan: WindowPlan, seen: BoolArray) -> float:
+    """By how much the long sides that are ``seen`` (2,) lie askew, from their halves' shift against each other."""
     halves = rows[[0, 1, 3, 4]].reshape(2, 2, -1, 3)
     slope = np.gradient(halves.mean(axis=1), axis=1)  # (2, T, 3) colour per pixel outwards
-    near = (np.abs(plan.t_px[[0, 3]]) <= REACH_PX / 2)[..., None]
+    near = (seen[:, None] & (np.abs(plan.t_px[[0, 3]]) <= REACH_PX / 2))[..., None]
     farther = ((halves[:, 0] - halves[:, 1]) * slope * near).sum(axis=(1, 2))  # after the middle than before it
     power = (slope**2 * near).sum()
     return float((farther[1] - farther[0]) / max(power, 1.0) / plan.apart_px)

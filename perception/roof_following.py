@@ -247,7 +247,7 @@ def _fitted(
         if not pose.inside(image, hidden):
             return None
         plan = WindowPlan.of(pose.size_px)
-        fit = fit_profiles(plan.profiles(image, pose).astype(np.float64), plan, walls_px)
+        fit = fit_profiles(plan.profiles(image, pose).astype(np.float64), plan, walls_px, hidden)
         seen: BoolArray = (fit.costs <= ODD_COST) & ~hidden
         if not ((seen | seen[OPPOSITE]) & (_ends(fit) | hidden)).all():
             return None

@@ -118,7 +118,7 @@ def test_a_vehicle_is_followed_under_a_bridge_and_back_as_far_as_enough_of_it_sh
     for step in [*ways, 0.0, 0.0, 0.0, *(-way for way in ways)]:
         box = replace(box, centre_px=(box.centre_px[0] + step, 180.7 + sideways_px))
         followed = seen_again(under_bridge(box), followed, np.array([step, 0.0]))
-        assert error_px(followed, box) < 0.4
+        assert error_px(followed, box) < 0.65  # half of what may be hidden unnoticed, and a little
         shown = min(shown, followed.shown)
         assert followed.whole == (box.centre_px[0] + 35 < 360 + 1.2) or 360 <= box.centre_px[0] + 35 < 362
     assert shown < 0.6

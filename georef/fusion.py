@@ -38,7 +38,8 @@ class CovarianceFuser:
     names one object only, as the colour of a rail vehicle does, the id lasts through a gap between two views as well.
     Within a moment ids are unique.
 
-    one_per_label: whether no two objects bear the same label.
+    one_per_label: whether no two objects bear the same label. Then of several claims to a label the one that a camera
+        has followed longest holds: a place that has just been found and contradicts it is none.
     """
 
     def __init__(self, gate_m: float = 0.06, gate_probability: float = 0.999, *, one_per_label: bool = False) -> None:
@@ -49,11 +50,13 @@ class CovarianceFuser:
         self._one_per_label = one_per_label
         self._ids: dict[_Key, int] = {}
         self._ids_of_labels: dict[str, int] = {}
+        self._followed: dict[_Key, int] = {}  # for how many moments in a row
 
     def reset(self) -> None:
         """Forget all identities."""
         self._ids.clear()
         self._ids_of_labels.clear()
+        self._followed.clear()
 
     def fuse(self, views: Sequence[GroundTracks]) -> GroundTracks:
         """All objects with a valid place, in the order of their ids.
@@ -63,7 +66,11 @@ class CovarianceFuser:
         Raises InputError for views of different moments or two of the same camera.
         """
         time_ns = _common_time_ns(views)
-        groups = self._grouped([row for view in views for row in _rows(view)])
+        rows = [row for view in views for row in _rows(view)]
+        self._followed = {row.key: self._followed.get(row.key, 0) + 1 for row in rows}
+        groups = self._grouped(rows)
+        if self._one_per_label:
+            groups = self._undisputed(groups)
         ids = self._identify(groups)
         order = np.argsort(ids)
         merged = [_merge(groups[k]) for k in order]
@@ -88,6 +95,13 @@ class CovarianceFuser:
                 group_of.update({row.key: left for row in right})
         unique = {id(group): sorted(group, key=lambda row: row.key) for group in group_of.values()}
         return sorted(unique.values(), key=lambda group: group[0].key)
+
+    def _undisputed(self, groups: list[list[_View]]) -> list[list[_View]]:
+        """Of the groups with one label that which was followed longest, the first of them if there are several."""
+        held: dict[str, list[_View]] = {}
+        for group in sorted(groups, key=lambda group: -max(self._followed[row.key] for row in group)):
+            held.setdefault(group[0].label, group)
+        return [group for group in groups if held[group[0].label] is group]
 
     def _pairs(self, rows: list[_View]) -> list[tuple[_View, _View]]:
         """Pairs that may be one object, the nearest first."""

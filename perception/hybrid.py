@@ -92,6 +92,7 @@ class HybridTracker:
         self._identity.reset()
         self._targets: dict[str, _Target] = {}
         self._lost: dict[str, _Target] = {}
+        self._entering: set[str] = set()  # what the border cut in the frame before, not yet followed
         self._since_search = 0
         self._unfollowed = True  # something may be there that only a search can find
 
@@ -102,8 +103,22 @@ class HybridTracker:
         self._targets = {label: target for label, target in followed.items() if target is not None}
         self._since_search += 1
         lost = len(self._targets) < len(followed)
+        old = set(self._targets)
         found = self._searched(frame) if lost or self._search_due(frame) else None
-        return self._identity.update(frame, _detections(frame, self._targets, found))
+        return self._identity.update(frame, self._believed(frame, _detections(frame, self._targets, found), old))
+
+    def _believed(self, frame: Frame, objects: Detections, old: set[str]) -> Detections:
+        """The objects but those at the border that are neither ``old`` nor were there a frame ago.
+
+        Of a vehicle that enters a wall may be the first to show; it leans into the image and looks like a roof.
+        """
+        cut = {
+            label
+            for label, quad_px in zip(objects.labels, objects.quads_px, strict=True)
+            if label not in old and within_border(frame.image, RoofPose.of(quad_px))[1].any()
+        }
+        new, self._entering = cut - self._entering, cut
+        return objects.take([row for row, label in enumerate(objects.labels) if label not in new])
 
     def _search_due(self, frame: Frame) -> bool:
         settings = self._settings

@@ -125,10 +125,11 @@ def follow_roof(image: ImageArray, last: FollowedRoof, pose: RoofPose) -> Follow
     hidden = covered_sides(fitted.pose, missing_px, last.before, last.hidden, _NONE)
     if hidden is None:
         return None
+    hidden = hidden | (last.hidden & ~fitted.seen)
     size_px = np.maximum(fitted.pose.size_px, pose.size_px - SHRINKING_PX) if last.whole else fitted.pose.size_px
     completed = fitted.pose.completed(pose.size_px, hidden)
     roof = fitted.followed(completed.resized(np.maximum(size_px - completed.size_px, 0.0)), hidden)
-    return replace(roof, clear=last.clear) if missing_px.max() > CLEAR_PX else roof
+    return replace(roof, clear=last.clear) if missing_px.max() > CLEAR_PX or not fitted.seen.all() else roof
 
 
 def follow_part(image: ImageArray, last: FollowedRoof, pose: RoofPose) -> FollowedRoof | None:
@@ -175,7 +176,10 @@ def _completed(image: ImageArray, sought: _Sought, part: RoofPose, hidden: BoolA
     if fitted is None or not fitted.is_part_of(sought.pose, last.colours):
         return None
     covered = sought.covered(fitted.pose, size_px - fitted.pose.size_px, hidden)
-    return None if covered is None else fitted.followed(fitted.pose.completed(size_px, covered), covered)
+    if covered is None:
+        return None
+    covered = covered | (last.hidden & ~fitted.seen & ~covered[OPPOSITE])
+    return fitted.followed(fitted.pose.completed(size_px, covered), covered)
 
 
 def _fitted_part(

@@ -169,6 +169,20 @@ def test_where_a_label_names_one_object_its_identity_lasts_through_a_gap():
     )
 
 
+@given(st.integers(1, 6), st.integers(0, 5), st.booleans())
+def test_of_two_claims_to_one_label_the_one_followed_longest_holds(longer, fewer, east_first):
+    fuser = CovarianceFuser(one_per_label=True)
+    long, short = ("east", "west") if east_first else ("west", "east")
+    for moment in range(longer + fewer):
+        held = [(1, "blue", (0.01 * moment, 0.0), 0.002)]
+        new = [(2, "blue", (1.0, 0.0), 0.002)] if moment >= longer else []
+        fused = fuser.fuse([view(long, held), view(short, new)])
+        assert fused.ids.tolist() == [0]
+        assert fused.positions_m[0, 0] == 0.01 * moment
+    alone = fuser.fuse([view(long, []), view(short, [(2, "blue", (1.0, 0.0), 0.002)])])
+    assert alone.ids.tolist() == [0]
+
+
 def test_where_a_label_may_name_many_a_gap_ends_an_identity():
     fuser = CovarianceFuser()
     first = fuser.fuse([view("west", [(5, "car", (0.0, 0), 0.002)]), view("east", [])])

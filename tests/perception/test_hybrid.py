@@ -90,6 +90,20 @@ def test_a_vehicle_that_enters_is_tracked_within_three_frames_and_one_that_left_
             assert not len(tracks)
 
 
+def test_what_the_border_cuts_is_believed_in_its_second_frame_and_a_wall_that_shows_once_is_not(models):
+    """A strip of a vehicle's colour and size leans into the image once; then the vehicle itself stands there, cut."""
+    tracker = HybridTracker(models)
+    wall, cut = Box("red", (10.0, 180.0), np.pi / 2), Box("red", (28.0, 180.0))
+    seen = [
+        tracker.perceive(frame_of(draw(BACKGROUND, boxes), index))
+        for index, boxes in enumerate([[], [wall], [], [], [], [cut], [cut], [cut]])
+    ]
+    assert [len(tracks) for tracks in seen[:5]] == [0] * 5
+    waited = [len(tracks) for tracks in seen[5:]]
+    assert waited[-1] == 1
+    assert np.abs(seen[-1].objects.anchors_px - cut.centre_px).max() < 0.3
+
+
 def test_a_vehicle_that_vanishes_is_given_up_at_once(models):
     shots = film(10, {"label": "red", "start_px": 200.0, "v_px": 180.0, "speed_px": 5.0})
     tracker = HybridTracker(models)

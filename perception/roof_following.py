@@ -68,9 +68,9 @@ class FollowedRoof:
 
     @property
     def colours(self) -> FloatArray:
-        """(4, 3) BGR at its sides; at those that are not seen, what the others have."""
-        colours, seen = self._reference.fit.roof, self.roof.sides_measured
-        return np.where(seen[:, None], colours, colours[seen].mean(axis=0))
+        """(4, 3) BGR at its sides; at those that are hidden, what the others have."""
+        colours = self._reference.fit.roof
+        return np.where(self.hidden[:, None], colours[~self.hidden].mean(axis=0), colours)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,12 +10,16 @@ import numpy as np
 
 from sim.body_colours import colour_of
 from sim.body_pieces import Material, Piece
+from sim.bus_bodies import BUSES
+from sim.car_bodies import CARS
+from sim.cart_bodies import CARTS
+from sim.cycle_bodies import CYCLES
 from sim.lights import Rgb
 from sim.meshes import Mesh, merged
 from sim.people_bodies import PEOPLE
 from sim.road_users import KINDS
 from sim.streams import stream
-from sim.vehicle_bodies import VEHICLES
+from sim.truck_bodies import TRUCKS
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,8 +72,11 @@ def _design(name: str, pieces: list[Piece]) -> Design:
     return Design(name, tuple(parts))
 
 
+BUILDERS = CARS | TRUCKS | BUSES | CYCLES | PEOPLE | CARTS
+"""What builds a design of a kind's size, by kind and name."""
+
 DESIGNS: dict[str, tuple[Design, ...]] = {
     kind: tuple(_design(f"{kind}/{name}", build(KINDS[kind].size_m)) for name, build in builders.items())
-    for kind, builders in (VEHICLES | PEOPLE).items()
+    for kind, builders in BUILDERS.items()
 }
 """Designs by the kind of road user."""

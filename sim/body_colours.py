@@ -90,6 +90,17 @@ _BAGS: Palette = (
     (2, (0.20, 0.32, 0.50)),
     (1, (0.75, 0.62, 0.20)),
 )
+_METALS: Palette = (
+    (5, (0.56, 0.57, 0.58)),
+    (3, (0.36, 0.37, 0.38)),
+    (2, (0.16, 0.16, 0.17)),
+)
+_CARGOES: Palette = (
+    (3, (0.52, 0.42, 0.28)),
+    (2, (0.40, 0.36, 0.32)),
+    (2, (0.62, 0.58, 0.50)),
+    (1, (0.20, 0.32, 0.46)),
+)
 _SECOND: Palette = (*_WORK, *_TARPAULINS)
 
 _ALWAYS: dict[Material, Rgb] = {
@@ -102,11 +113,13 @@ _ALWAYS: dict[Material, Rgb] = {
 _PALETTES: dict[Material, Palette] = {
     Material.PAINT: _CARS,
     Material.SECOND_PAINT: _SECOND,
+    Material.METAL: _METALS,
     Material.SKIN: _SKINS,
     Material.HAIR: _HAIRS,
     Material.CLOTH: _CLOTHES,
     Material.TROUSERS: _TROUSERS,
     Material.BAG: _BAGS,
+    Material.CARGO: _CARGOES,
 }
 _PAINTS: dict[str, Palette] = {"delivery_van": _WORK, "light_truck": _WORK, "lorry": _WORK, "city_bus": _BUSES}
 _BRIGHTER, _TINTED = 0.10, 0.025  # no two are painted quite alike: spread of brightness, and of each channel

@@ -1,6 +1,9 @@
-"""Convex pieces that bodies are put together from, in metres: x ahead, y to the left, z up, ground at 0."""
+"""Convex pieces that bodies are put together from, in metres: x ahead, y to the left, z up, ground at 0.
 
-from collections.abc import Iterable
+What is in front and behind, or left and right of a body, is often one piece that goes through it: nobody sees inside.
+"""
+
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -10,6 +13,11 @@ from scipy.spatial import ConvexHull
 from contracts import FloatArray
 from sim.meshes import Mesh
 
+Size = tuple[float, float, float]
+Point = tuple[float, float, float]
+Line = Callable[[float], float]
+PROUD_M = 0.008  # by which glass, lamps and wheels stand out of the paint: more than a depth buffer confuses at 100 m
+
 
 class Material(StrEnum):
     """What a piece is made of; pieces of one material are of one colour."""
@@ -18,6 +26,7 @@ class Material(StrEnum):
     SECOND_PAINT = "second_paint"
     GLASS = "glass"
     TYRE = "tyre"
+    METAL = "metal"
     TRIM = "trim"
     HEADLAMP = "headlamp"
     TAIL_LAMP = "tail_lamp"
@@ -26,6 +35,7 @@ class Material(StrEnum):
     CLOTH = "cloth"
     TROUSERS = "trousers"
     BAG = "bag"
+    CARGO = "cargo"
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,8 +45,20 @@ class Piece:
     material: Material
     mesh: Mesh
 
+    def placed(self, *, scale: Size = (1.0, 1.0, 1.0), x: float = 0.0) -> "Piece":
+        """The piece scaled about the origin, then so much further ahead."""
+        return Piece(self.material, Mesh(self.mesh.vertices_m * scale + np.array([x, 0.0, 0.0]), self.mesh.faces))
 
-def solid(material: Material, points: Iterable[tuple[float, float, float]] | FloatArray) -> Piece:
+
+Builder = Callable[[Size], list[Piece]]
+
+
+def line(a: tuple[float, float], b: tuple[float, float]) -> Line:
+    """The straight line through two points, as a function of their first coordinate."""
+    return lambda t: a[1] + (t - a[0]) * (b[1] - a[1]) / (b[0] - a[0])
+
+
+def solid(material: Material, points: Iterable[Point] | FloatArray) -> Piece:
     """The convex hull of points (N, 3)."""
     corners = np.array(list(points), np.float64)
     hull = ConvexHull(corners)
@@ -46,7 +68,7 @@ def solid(material: Material, points: Iterable[tuple[float, float, float]] | Flo
     return Piece(material, Mesh(corners[faces].reshape(-1, 3), np.arange(3 * len(faces)).reshape(-1, 3)))
 
 
-def loft(material: Material, sections: Iterable[tuple[float, float, float]], *, y: float = 0.0) -> Piece:
+def loft(material: Material, sections: Iterable[Point], *, y: float = 0.0) -> Piece:
     """The hull of level strips across the body, each (x, z, half its width), about the plane at ``y``."""
     return solid(material, [(x, y + side * half, z) for x, z, half in sections for side in (-1.0, 1.0)])
 
@@ -61,33 +83,85 @@ def pair(material: Material, x: tuple[float, float], y: tuple[float, float], z: 
     return [block(material, x, y, z), block(material, x, (-y[1], -y[0]), z)]
 
 
-def wheel(x: float, radius: float, y: tuple[float, float], *, sides: int = 10) -> Piece:
-    """A wheel that stands on the ground; one of its corners touches it."""
-    angles = -np.pi / 2 + 2 * np.pi * np.arange(sides) / sides
-    rim = [(x + radius * np.cos(a), radius + radius * np.sin(a)) for a in angles]
-    return solid(Material.TYRE, [(u, v, w) for u, w in rim for v in y])
+def across(material: Material, profile: Iterable[tuple[float, float]], half: Line, *, proud: float = 0.0) -> Piece:
+    """A side view (x, z) through the whole width; ``half`` of it by height, and ``proud`` more."""
+    return loft(material, [(x, z, half(z) + proud) for x, z in profile])
 
 
-def limb(
-    material: Material, a: tuple[float, float, float], b: tuple[float, float, float], thick: float, thin: float
+def around(material: Material, plan: Iterable[tuple[float, float]], z: tuple[float, float]) -> Piece:
+    """A plan, each (x, half the width), between two heights."""
+    return loft(material, [(x, height, half) for x, half in plan for height in z])
+
+
+def pane(low: tuple[float, float], high: tuple[float, float], half: Line, *, front: bool) -> Piece:
+    """Glass across the body, in front or behind, on the slope from ``low`` to ``high`` (x, z)."""
+    (x0, z0), (x1, z1) = low, high
+    outwards = np.array([z1 - z0, x0 - x1]) / np.hypot(x1 - x0, z1 - z0) * (1.0 if front else -1.0)
+    out, back = PROUD_M * outwards, -0.06 * outwards
+    return loft(Material.GLASS, [(x + dx, z + dz, half(z)) for x, z in (low, high) for dx, dz in (out, back)])
+
+
+def wrapped(
+    material: Material, ends: tuple[Line, float], corners: tuple[Line, float], z: tuple[float, float], depth: float
 ) -> Piece:
-    """A tapered bar of square section from ``a`` to ``b``, which are inside of it at its ends."""
-    ends = [
-        (x + dx, y + dy, z)
-        for (x, y, z), half in ((a, thick / 2), (b, thin / 2))
-        for dx in (-half, half)
-        for dy in (-half, half)
-    ]
-    return solid(material, ends)
+    """A band around a front or rear end, between two heights.
+
+    ends, corners: x by height, and half the width, of the band in the middle and where it ends on the flanks.
+    depth: from the corners to its hidden back, negative in front.
+    """
+    strips = ((ends, 0.0), (corners, 0.0), (corners, depth))
+    return loft(material, [(x_at(height) + shift, height, half) for height in z for (x_at, half), shift in strips])
 
 
-def ball(material: Material, centre: tuple[float, float, float], radii: tuple[float, float, float]) -> Piece:
-    """An octagonal ball with flattened poles."""
-    angles = np.pi / 8 + np.pi / 4 * np.arange(8)
-    rings = [(0.55, -1.0), (1.0, -0.35), (1.0, 0.35), (0.55, 1.0)]
+def disc(material: Material, centre: tuple[float, float], radius: float, y: tuple[float, float], sides: int) -> Piece:
+    """An upright disc about ``centre`` (x, z), on a flat side; as wide as high if ``sides`` is 4, 8, 12, ..."""
+    angles = -np.pi / 2 + np.pi * (2 * np.arange(sides) + 1) / sides
+    rim = radius / np.cos(np.pi / sides) * np.column_stack([np.cos(angles), np.sin(angles)]) + centre
+    return solid(material, [(u, v, w) for u, w in rim.tolist() for v in y])
+
+
+def wheel(x: float, radius: float, y: tuple[float, float], *, sides: int = 8) -> Piece:
+    """A wheel that stands on the ground."""
+    return disc(Material.TYRE, (x, radius), radius, y, sides)
+
+
+def hubs(x: float, radius: float, half: float, *, share: float = 0.62) -> Piece:
+    """The rims of both wheels with the axle between them, ``share`` of the wheels' radius."""
+    return disc(Material.METAL, (x, radius), share * radius, (-half, half), 6)
+
+
+def axle(x: float, radius: float, low: float, half: float) -> list[Piece]:
+    """Wheels in dark arches that begin at ``low``; the body, of ``half`` a width, hides the middle of each piece."""
+    foot, top = 1.3 * radius, 0.75 * radius
+    outline = ((-foot, low), (-top, 2.18 * radius), (top, 2.18 * radius), (foot, low))
+    arch = across(Material.TRIM, [(x + along, z) for along, z in outline], lambda _: half, proud=0.5 * PROUD_M)
+    tyres = wheel(x, radius, (-half - PROUD_M, half + PROUD_M))
+    return [arch, tyres, hubs(x, radius, half + 2 * PROUD_M)]
+
+
+def open_axle(x: float, radius: float, half: float, tread: float) -> list[Piece]:
+    """Wheels under an open chassis: two, of this tread, and their hubs."""
+    tyres = [wheel(x, radius, (side * half, side * (half - tread))) for side in (-1.0, 1.0)]
+    return [*tyres, hubs(x, radius, half + PROUD_M, share=0.5)]
+
+
+def limb(material: Material, a: Point, b: Point, thick: float, thin: float) -> Piece:
+    """A tapered bar of square section between two points, ``thick`` at ``a`` and ``thin`` at ``b``."""
+    along = np.subtract(b, a)
+    level = np.cross(along, np.eye(3)[np.abs(along).argmin()])
+    level /= np.linalg.norm(level)
+    upright = np.cross(along, level) / np.linalg.norm(along)
+    signs = np.array([(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)])
+    section = signs @ np.array([level, upright])  # (4, 3)
+    return solid(material, np.concatenate([a + 0.5 * thick * section, b + 0.5 * thin * section]))
+
+
+def ball(material: Material, centre: Point, radii: Size) -> Piece:
+    """A hexagonal ball with flattened poles."""
+    angles = np.pi / 6 + np.pi / 3 * np.arange(6)
     points = [
         (centre[0] + radii[0] * share * np.cos(t), centre[1] + radii[1] * share * np.sin(t), centre[2] + radii[2] * z)
-        for share, z in rings
+        for share, z in ((0.6, -1.0), (1.1, -0.1), (0.65, 1.0))
         for t in angles
     ]
     return solid(material, points)

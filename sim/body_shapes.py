@@ -1,12 +1,11 @@
 """The bodies of all road users at one moment: their convex pieces where they truly are."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
-from contracts import FloatArray
+from contracts import FloatArray, IntArray
 from contracts.truth import Truth
 from sim.bodies import Appearance, Design, appearance_of
 
@@ -23,9 +22,8 @@ class Wardrobe:
 
     def pieces(self, state: Truth, row: int) -> list[FloatArray]:
         """Corners (P, 3), world, of every convex piece of one user's body."""
-        unit = _corners(self.appearance(state.kinds[row], state.ids[row]).design)
-        world_from_unit = affine(state, row)
-        return [corners @ world_from_unit.T + state.positions_m[row] for corners in unit]
+        unit, starts = _corners(self.appearance(state.kinds[row], state.ids[row]).design)
+        return np.split(unit @ affine(state, row).T + state.positions_m[row], starts)
 
 
 def affine(state: Truth, row: int) -> FloatArray:
@@ -40,6 +38,7 @@ def _appearance(kind: str, id_: str, seed: int) -> Appearance:
 
 
 @cache
-def _corners(design: Design) -> Sequence[FloatArray]:
-    """Different corners of each piece, in the unit box."""
-    return [np.unique(piece.vertices_m, axis=0) for part in design.parts for piece in part.pieces]
+def _corners(design: Design) -> tuple[FloatArray, IntArray]:
+    """Different corners (N, 3) of each piece, in the unit box, and where those of the second and further ones start."""
+    corners = [np.unique(piece.vertices_m, axis=0) for part in design.parts for piece in part.pieces]
+    return np.concatenate(corners), np.cumsum([len(piece) for piece in corners])[:-1]

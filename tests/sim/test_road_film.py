@@ -57,7 +57,7 @@ def test_silhouettes_fill_the_box_of_the_truth_through_the_lens():
     lens = Lens.of(camera.intrinsics)
     studio = crossroads(camera, LightPreset.CLOUDY)
     renderer = studio.renderer([pinhole_camera(camera, lens)])
-    alone = users(("saloon", 0.0, 0.0, 30.0), ("city_bus", -4.0, 9.0, 90.0), ("adult", 3.0, -3.0, 0.0))
+    alone = users(("saloon", 0.0, 0.0, 30.0), ("city_bus", -4.0, 9.0, 90.0), ("adult", -6.0, -7.0, 0.0))
     _, truth = CameraFilm(camera, lens, renderer, CLEAN, noise_seed=1, view=studio.view).shoot(alone)
     renderer.close()
     assert (truth.visible_fractions > 0.97).all()

@@ -1,6 +1,6 @@
 """Whether a scenario fits its plant, rig and light and speaks of vehicles that it has; each fault with its key."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache
 
 import numpy as np
@@ -13,6 +13,7 @@ from scenarios.rig_file import load_rig
 from scenarios.schema import RailScenario, RoadScenario, Scenario
 from scenarios.variations import varied
 from sim.light_program import order_faults
+from sim.lights import RAIL_LIGHTS, ROAD_LIGHTS, LightPreset
 from sim.motion_check import KeyPath, MotionFaultError, check_motion
 from sim.surroundings import blocks_track
 from sim.traffic_check import TrafficFaultError, check_traffic
@@ -54,11 +55,13 @@ def plant_of(name: str) -> Plant:
 
 
 def _rail_faults(scenario: RailScenario) -> Iterator[Fault]:
+    yield from _light_faults(scenario, RAIL_LIGHTS, "a room")
     yield from _plant_faults(scenario)
     yield from _surroundings_faults(scenario)
 
 
 def _road_faults(scenario: RoadScenario) -> Iterator[Fault]:
+    yield from _light_faults(scenario, ROAD_LIGHTS, "a road")
     try:
         network = load_network(scenario.network)
     except InputError as error:
@@ -70,6 +73,15 @@ def _road_faults(scenario: RoadScenario) -> Iterator[Fault]:
         yield error.keys, str(error)
     if scenario.expect.derail:
         yield ("expect", "derail"), "nothing derails on a road"
+
+
+def _light_faults(scenario: Scenario, lights: Sequence[LightPreset], where: str) -> Iterator[Fault]:
+    """Lights that do not shine there."""
+    named = [(("light",), scenario.light)]
+    changes = [(("light_change", index, "to"), change.to) for index, change in enumerate(scenario.light_change)]
+    for key, light in (*named, *changes):
+        if light not in lights:
+            yield key, f"{str(light)!r} is no light of {where}; choose from {', '.join(lights)}"
 
 
 def _plant_faults(scenario: RailScenario) -> Iterator[Fault]:

@@ -184,6 +184,7 @@ class RoadScenario(Scenario):
     network: name of a folder in ``scenarios/networks``.
     density: of the network's own traffic: 0 none, 1 as the network's file says.
     weather: ``dry``, ``wet``, ``rain`` or ``fog`` (``sim.air``).
+    sensor: of all cameras, instead of the rig's: a night asks for a long exposure and much gain (``sim.sensor``).
     vehicle, walker: who does what the author says, beside that traffic.
     """
 
@@ -191,6 +192,7 @@ class RoadScenario(Scenario):
     world: Literal["road"] = "road"
     density: float = 1.0
     weather: Weather = Weather.DRY
+    sensor: SensorSpec | None = None
     vehicle: tuple[DriverSpec, ...] = ()
     walker: tuple[WalkerSpec, ...] = ()
     event: tuple[RoadEvent, ...] = ()

@@ -14,7 +14,7 @@ from scenarios.check import plant_of
 from scenarios.schema import RailScenario
 from sim.boxes import Box
 from sim.colours import Colour
-from sim.lights import LightPreset
+from sim.lights import RAIL_LIGHTS
 from sim.motion_spec import Heading, Manner, MotionSpec, Start, SwitchSetting, TimedEvent, VehicleSpec
 
 _SETTINGS: tuple[SwitchSetting, ...] = ("straight", "diverging")
@@ -111,7 +111,7 @@ def scenarios(
         plant=st.just(plant),
         rig=st.just(rig),
         duration_s=st.just(duration_s),
-        light=st.sampled_from(LightPreset),
+        light=st.sampled_from(RAIL_LIGHTS),
         seed=st.integers(0, 2**31 - 1),
         fps=st.sampled_from([25.0, 10.0, 50.0]),
     )

@@ -45,6 +45,7 @@ def build_world(
             film=film,
             workers=workers,
             renderer=renderer,
+            sensor=scenario.sensor,
         )
     assert isinstance(scenario, RailScenario)
     plant = plant_of(scenario.plant)

@@ -15,6 +15,7 @@ from contracts.truth import Truth
 from sim.film import CameraFilm
 from sim.highlights import HighlightSpec
 from sim.lens import Lens, pinhole_camera
+from sim.rain import RainSpec
 from sim.sensor import SensorSpec
 from sim.shared_pictures import SharedPictures, Take
 from sim.studio import Studio
@@ -32,6 +33,7 @@ class FilmSpec:
     noise_seed: int
     keep_instances: bool
     highlights: tuple[HighlightSpec, ...] = ()
+    rain: RainSpec | None = None
 
 
 def film(spec: FilmSpec, states: Iterable[Truth], *, workers: int) -> Iterator[tuple[Take, ...]]:
@@ -61,6 +63,7 @@ def _film_here(spec: FilmSpec, states: Iterable[Truth]) -> Iterator[tuple[Take, 
             noise_seed=spec.noise_seed,
             keep_instances=spec.keep_instances,
             highlights=spec.highlights,
+            rain=spec.rain,
             view=spec.studio.view,
         )
         for camera, lens in zip(spec.cameras, lenses, strict=True)

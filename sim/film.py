@@ -12,6 +12,7 @@ from contracts.truth import CameraTruth, Truth
 from sim.camera_truth import View, camera_truth
 from sim.highlights import HighlightSpec, glare
 from sim.lens import Lens, pinhole_camera
+from sim.rain import Rain, RainSpec
 from sim.renderer import Rendered, Renderer, Still, Window
 from sim.sensor import Sensor, SensorSpec
 from sim.windows import inside
@@ -37,6 +38,7 @@ class CameraFilm:
         noise_seed: int,
         keep_instances: bool = True,
         highlights: Sequence[HighlightSpec] = (),
+        rain: RainSpec | None = None,
         view: View = camera_truth,
     ) -> None:
         self._camera, self._lens, self._renderer, self._view = camera, lens, renderer, view
@@ -49,6 +51,8 @@ class CameraFilm:
         size = camera.intrinsics
         shine = glare(pinhole_camera(camera, lens), highlights, gain=sensor.gain)
         self._glare = None if shine is None else lens.bend(shine)
+        px = size.width_px, size.height_px
+        self._rain = None if rain is None else Rain(rain, camera.name, px, size.fx_px, noise_seed, gain=sensor.gain)
         self._sensor = Sensor(sensor, camera.name, size.width_px, size.height_px, noise_seed)
 
     def shoot(self, state: Truth) -> tuple[Frame, CameraTruth]:
@@ -58,6 +62,8 @@ class CameraFilm:
         image = self._developed(rendered, windows)
         if self._glare is not None:
             image = np.asarray(cv2.add(image, self._glare), np.uint8)
+        if self._rain is not None:
+            image = self._rain.before(image, state.index)
         image = self._sensor.grain(self._sensor.balance(image, state.time_ns), state.index)
         frame = Frame(self._camera.name, state.index, state.time_ns, image)
         seen = Rendered(image, self._bent_instances(rendered, windows), things=self._bent_things(rendered))

@@ -25,6 +25,13 @@ class LightPreset(StrEnum):
     DUSK = "dusk"
     MOVING_SHADOW = "moving_shadow"
     FLICKER = "flicker"
+    NIGHT = "night"
+
+
+RAIL_LIGHTS = tuple(light for light in LightPreset if light is not LightPreset.NIGHT)
+"""Lights of a room."""
+ROAD_LIGHTS = (LightPreset.SUNNY, LightPreset.CLOUDY, LightPreset.DUSK, LightPreset.NIGHT)
+"""Lights under the sky."""
 
 
 @dataclass(frozen=True)
@@ -84,6 +91,7 @@ class Light:
     beams: cast shadows. sky: from straight above without shadow. ambient: from everywhere, shadow or not.
     band: takes part of the beams away on a part of the ground, or nothing.
     factor: on all of it; lights that differ in nothing else look alike but for the exposure.
+    lamps: of a road: irradiance on the ground below a streetlamp; black while they, and those of vehicles, are off.
     """
 
     beams: tuple[Beam, ...]
@@ -91,10 +99,20 @@ class Light:
     ambient: Rgb
     band: ShadowBand | None = None
     factor: float = 1.0
+    lamps: Rgb = (0.0, 0.0, 0.0)
+
+    @property
+    def lamplit(self) -> bool:
+        """Whether the lamps of a road are on."""
+        return any(self.lamps)
 
     def without_beams(self) -> "Light":
         """What is left in full shadow."""
         return replace(self, beams=(), band=None)
+
+
+ALBEDO = Light((), sky=(0.0, 0.0, 0.0), ambient=(1.0, 1.0, 1.0))
+"""Under this light a picture shows albedos."""
 
 
 def light_at(preset: LightPreset, time_ns: int) -> Light:
@@ -118,7 +136,11 @@ def _lamps(_time_s: float) -> Light:
 
 
 def _dusk(_time_s: float) -> Light:
-    return Light((), sky=(0.17, 0.19, 0.25), ambient=(0.13, 0.14, 0.18))
+    return Light((), sky=(0.17, 0.19, 0.25), ambient=(0.13, 0.14, 0.18), lamps=(0.46, 0.36, 0.22))
+
+
+def _night(_time_s: float) -> Light:
+    return Light((), sky=(0.008, 0.009, 0.014), ambient=(0.012, 0.012, 0.016), lamps=(1.60, 1.30, 0.84))
 
 
 def _moving_shadow(time_s: float) -> Light:
@@ -140,4 +162,5 @@ _PRESETS: dict[LightPreset, Callable[[float], Light]] = {
     LightPreset.DUSK: _dusk,
     LightPreset.MOVING_SHADOW: _moving_shadow,
     LightPreset.FLICKER: _flicker,
+    LightPreset.NIGHT: _night,
 }

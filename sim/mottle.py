@@ -32,9 +32,14 @@ def mottle(kinds: NDArray[np.uint8], points_m: Array32, size_m: Array32, seed: i
         strengths[KIND_CODES[kind]] = values
     factor = np.ones(kinds.shape, np.float32)
     for octave, spot_m in enumerate(_SPOTS_M):
-        pattern = stream(seed, f"mottle/{octave}").standard_normal((_TILE, _TILE), dtype=np.float32)
-        places = np.mod(points_m[..., :2] / np.float32(spot_m), _TILE)
-        u, v = (np.ascontiguousarray(places[..., axis] + 1) for axis in range(2))
-        spots = cv2.remap(np.pad(pattern, 1, mode="wrap"), u, v, cv2.INTER_LINEAR)
-        factor += strengths[kinds, octave] * spots / (1 + (size_m / np.float32(spot_m)) ** 2)
+        factor += strengths[kinds, octave] * spots(points_m, size_m, spot_m, seed, f"mottle/{octave}")
     return np.maximum(factor, np.float32(0.1))
+
+
+def spots(points_m: Array32, size_m: Array32, spot_m: float, seed: int, concern: str) -> Array32:
+    """Standard normal values (H, W) that change over ``spot_m`` on the ground, drawn for a concern from the seed."""
+    pattern = stream(seed, concern).standard_normal((_TILE, _TILE), dtype=np.float32)
+    places = np.mod(points_m[..., :2] / np.float32(spot_m), _TILE)
+    u, v = (np.ascontiguousarray(places[..., axis] + 1) for axis in range(2))
+    values = cv2.remap(np.pad(pattern, 1, mode="wrap"), u, v, cv2.INTER_LINEAR)
+    return np.asarray(values / (1 + (size_m / np.float32(spot_m)) ** 2), np.float32)

@@ -11,7 +11,7 @@ from rail import Plant
 from sim.board import BOARD, board_views
 from sim.lens import Lens
 from sim.light_program import LightProgram
-from sim.lights import LightPreset
+from sim.lights import RAIL_LIGHTS, LightPreset
 from sim.plant_scene import scene_of_plant
 from sim.renderer import RendererName
 from sim.rig import RigSpec, nominal_cameras, true_cameras
@@ -59,8 +59,8 @@ class RailWorld:
         surroundings: Surroundings = _BARE,
         sensor: SensorSpec | None = None,
     ) -> None:
-        if not isinstance(light, LightProgram) and light not in list(LightPreset):
-            raise InputError(f"light {light!r} is unknown; choose from {', '.join(LightPreset)}")
+        if not isinstance(light, LightProgram) and light not in RAIL_LIGHTS:
+            raise InputError(f"light {light!r} is unknown; choose from {', '.join(RAIL_LIGHTS)}")
         if renderer not in list(RendererName):
             raise InputError(f"renderer {renderer!r} is unknown; choose from {', '.join(RendererName)}")
         self._renderer = RendererName(renderer)

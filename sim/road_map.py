@@ -45,7 +45,7 @@ from sim.streams import stream
 
 DASH_M, GAP_M = 3.0, 5.0  # lane lines in Korean cities
 ARROW_BEFORE_END_M = 12.0
-LAMP_EVERY_M, LAMP_BESIDE_M = 30.0, 1.0
+LAMP_EVERY_M, LAMP_BESIDE_M, LAMP_BEFORE_END_M = 30.0, 1.0, 4.0  # the first lights the junction
 SIGNAL_HEIGHT_M, SIGN_HEIGHT_M = 5.0, 2.5
 _ARROWS = {"s": MarkKind.STRAIGHT, "l": MarkKind.LEFT, "r": MarkKind.RIGHT}
 _ARROWS |= {"ls": MarkKind.STRAIGHT_LEFT, "rs": MarkKind.STRAIGHT_RIGHT, "lrs": MarkKind.ALL}
@@ -205,7 +205,7 @@ def _lamps(network: RoadNetwork) -> Iterator[Facility]:
         kerb = offset_line(outer.shape_m, -outer.width_m / 2 - LAMP_BESIDE_M)
         length = float(np.linalg.norm(np.diff(kerb[:, :2], axis=0), axis=1).sum())
         for k in range(int(length / LAMP_EVERY_M)):
-            position, _ = point_before_end(kerb, (k + 0.5) * LAMP_EVERY_M)
+            position, _ = point_before_end(kerb, LAMP_BEFORE_END_M + k * LAMP_EVERY_M)
             yield Facility(f"lamp/{road.id}/{k}", position, FacilityKind.STREETLAMP)
         if _waits(network, road) is StopKind.SIGNAL:
             yield Facility(f"pole/{road.id}", _kerb_at_end(road), FacilityKind.SIGNAL_POLE)

@@ -35,6 +35,7 @@ class StillPart:
     """One thing of one matte colour.
 
     adorns: whether it lies on another upright part, as a window on a wall, and hides nothing more.
+    shining: what it sends out by itself while lamps are on, 1 being level 255.
     """
 
     name: str
@@ -42,6 +43,7 @@ class StillPart:
     mesh: Mesh
     rgb: Rgb
     adorns: bool = False
+    shining: Rgb = (0.0, 0.0, 0.0)
 
     @property
     def hides(self) -> bool:

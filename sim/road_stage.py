@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from contracts import FloatArray, ImageArray
 from contracts.truth import Truth
-from sim.body_pieces import Material
 from sim.body_shapes import Wardrobe, affine
-from sim.lights import Rgb
+from sim.lights import ALBEDO, Rgb
 from sim.road_model import body_mesh, build_road_model
 from sim.road_scene import KIND_CODES, RoadScene, StillPart
 from sim.stage import STILL_NUMBER, Stage
@@ -21,7 +20,6 @@ NEAR_M, FAR_M = 0.5, 600.0
 _BEAM_START_M = 90.0
 _MAX_USERS, _PARTS_PER_USER = 254, 12
 _BLACK: Rgb = (0.0, 0.0, 0.0)
-SHINING = frozenset((Material.HEADLAMP, Material.TAIL_LAMP))
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +33,6 @@ class BodyPart:
     world_from_mesh: FloatArray
     position_m: FloatArray
     rgb: Rgb
-    emission: float
     number: int
 
     def fill(self, geom: mujoco.MjvGeom) -> None:
@@ -50,8 +47,7 @@ class BodyPart:
         )
         geom.dataid = 2 * self.mesh  # odd numbers are the convex hulls
         geom.segid = self.number
-        geom.emission = self.emission
-        geom.specular = geom.shininess = geom.reflectance = 0.0
+        geom.specular = geom.shininess = geom.reflectance = geom.emission = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +61,7 @@ class VeilPart:
 
     def fill(self, geom: mujoco.MjvGeom) -> None:
         """See ``sim.stage.Mover``."""
-        BodyPart(self.mesh, self.world_from_mesh, self.position_m, _BLACK, 0.0, STILL_NUMBER).fill(geom)
+        BodyPart(self.mesh, self.world_from_mesh, self.position_m, _BLACK, STILL_NUMBER).fill(geom)
         geom.matid, geom.texcoord = self.material, 1
 
 
@@ -87,30 +83,51 @@ class RoadStage(Stage):
         )
         self._wardrobe = wardrobe
         self._codes = np.array([0, *(KIND_CODES[part.kind] for part in parts)], np.uint8)
+        self._shining = np.array([part.shining for part in parts])
         self._meshes: dict[str, _Mesh] = {}
 
-    def place(self, state: Truth, *, only_lamps: bool = False) -> None:
-        """Put the road users as ``state`` says. only_lamps: all is black but what shines by itself."""
-        self.put(self._bodies(state, only_lamps=only_lamps))
+    def place(self, state: Truth) -> None:
+        """Put the road users as ``state`` says."""
+        self.put(self._bodies(state))
 
     def still_kinds(self) -> tuple[ImageArray, NDArray[np.float32]]:
         """What of the scene each pixel shows, (H, W) codes of ``KIND_CODES``, 0 for the sky; its depth, m."""
         parts, depth_m = self.still_parts()
         return self._codes[parts], depth_m
 
-    def _bodies(self, state: Truth, *, only_lamps: bool) -> Iterator[BodyPart]:
+    def still_shining(self) -> ImageArray:
+        """What parts of the scene send out by themselves while lamps are on, (H, W, 3) BGR levels."""
+        return self._painted(self._shining)
+
+    def users_share(self) -> NDArray[np.float32]:
+        """Share of each pixel that road users cover, (H, W)."""
+        colours = np.zeros((self._drawn.ngeom, 3))
+        colours[self._static_count :] = 1.0
+        return self._painted(colours)[..., 0].astype(np.float32) / np.float32(255.0)
+
+    def _painted(self, rgb: FloatArray) -> ImageArray:
+        """What is to be seen if the first things had these colours (N, 3) and no shades; they keep their own."""
+        drawn = self._drawn.geoms[: len(rgb)]
+        own = [geom.rgba.copy() for geom in drawn]
+        for geom, colour in zip(drawn, rgb, strict=True):
+            geom.rgba[:3] = colour
+        self.illuminate(ALBEDO, np.zeros(3), FAR_M)
+        shown = self.picture()
+        for geom, rgba in zip(drawn, own, strict=True):
+            geom.rgba[:] = rgba
+        return shown
+
+    def _bodies(self, state: Truth) -> Iterator[BodyPart]:
         for row in range(len(state.ids)):
             look = self._wardrobe.appearance(state.kinds[row], state.ids[row])
             world_from_unit = affine(state, row)
             for part in look.design.parts:
                 mesh = self._mesh(body_mesh(look.design.name, part.material))
-                shines = part.material in SHINING
                 yield BodyPart(
                     mesh.number,
                     world_from_unit @ mesh.unit_from_mesh,
                     world_from_unit @ mesh.origin + state.positions_m[row],
-                    look.colours[part.material] if shines or not only_lamps else _BLACK,
-                    1.0 if shines and only_lamps else 0.0,
+                    look.colours[part.material],
                     row,
                 )
 
@@ -133,10 +150,9 @@ class VeilStage(RoadStage):
         ]
         self._static_count = 0  # whatever is drawn is put there
 
-    def place_behind(self, parts: Sequence[int], state: Truth, *, only_lamps: bool = False) -> None:
+    def place_behind(self, parts: Sequence[int], state: Truth) -> None:
         """Put the road users, and of the veil these parts, as they are counted in ``hiding_parts``."""
-        bodies = self._bodies(state, only_lamps=only_lamps)
-        self.put(itertools.chain((self._veil[number] for number in parts), bodies))
+        self.put(itertools.chain((self._veil[number] for number in parts), self._bodies(state)))
 
 
 def hiding_parts(scene: RoadScene) -> list[StillPart]:

@@ -9,12 +9,15 @@ from sim.air import Weather
 from sim.board import BOARD, board_views
 from sim.lens import Lens
 from sim.light_program import LightProgram
+from sim.lights import light_at
 from sim.network_scene import scene_of_network
 from sim.rail_world import Motion, step_of
+from sim.rain import RainSpec
 from sim.renderer import RendererName
 from sim.rig import RigSpec, nominal_cameras, true_cameras
 from sim.road_network import RoadNetwork
 from sim.road_studio import RoadStudio
+from sim.sensor import SensorSpec
 
 
 class RoadWorld:
@@ -23,7 +26,7 @@ class RoadWorld:
     times_ns: mid-exposures of the frames.
     seed: decides the true cameras, what stands beside the road and how users look; the motion has its own.
     noise_seed: of the sensors' noise; ``seed`` if not given.
-    film, workers, keep_instances, renderer: as of ``sim.rail_world.RailWorld``.
+    film, workers, keep_instances, renderer, sensor: as of ``sim.rail_world.RailWorld``.
     """
 
     def __init__(
@@ -41,6 +44,7 @@ class RoadWorld:
         workers: int = 1,
         keep_instances: bool = True,
         renderer: RendererName | str = RendererName.LAYERED,
+        sensor: SensorSpec | None = None,
     ) -> None:
         if renderer not in list(RendererName):
             raise InputError(f"renderer {renderer!r} is unknown; choose from {', '.join(RendererName)}")
@@ -48,6 +52,7 @@ class RoadWorld:
         self._light, self._weather, self._renderer = light, weather, RendererName(renderer)
         self._seed, self._noise_seed = seed, seed if noise_seed is None else noise_seed
         self._film, self._workers, self._keep_instances = film, workers, keep_instances
+        self._sensor = rig.sensor if sensor is None else sensor
         self._cameras = true_cameras(rig, seed)
         self._survey = Survey(nominal_cameras(rig), (), BOARD)  # type: ignore[arg-type]
 
@@ -75,9 +80,10 @@ class RoadWorld:
         spec = FilmSpec(
             RoadStudio(scene, self._light, self._weather, self._seed, self._renderer),
             self._cameras,
-            self._rig.sensor,
+            self._sensor,
             noise_seed=self._noise_seed,
             keep_instances=self._keep_instances,
+            rain=RainSpec.of(self._weather, light_at(self._light.first, 0), self._sensor.exposure_ms * 1e-3),
         )
         return map(step_of, states, film(spec, filmed, workers=self._workers))
 
@@ -88,4 +94,4 @@ class RoadWorld:
             raise InputError(f"camera {camera} is not in this rig; it has {', '.join(known)}")
         chosen = known[camera]
         lens = Lens.of(chosen.intrinsics)
-        return board_views(chosen, lens, self._rig.sensor, BOARD, seed=self._seed, noise_seed=self._noise_seed)
+        return board_views(chosen, lens, self._sensor, BOARD, seed=self._seed, noise_seed=self._noise_seed)

@@ -42,6 +42,11 @@ _FACADES: tuple[Rgb, ...] = (
 _PANE, _ROOF, _STEEL, _BARK = (0.20, 0.24, 0.29), (0.36, 0.34, 0.33), (0.44, 0.45, 0.46), (0.30, 0.23, 0.17)
 _HOUSING, _LUMINAIRE = (0.10, 0.11, 0.11), (0.82, 0.81, 0.76)
 _SIGNAL_LIGHTS: tuple[Rgb, ...] = ((0.75, 0.10, 0.08), (0.45, 0.33, 0.05), (0.05, 0.33, 0.18))
+_SIGNAL_SHINES = 1.1  # times their colour
+_AT_HOME = 0.22  # share of the windows that are lit when it is dark
+_LIT_PANE: Rgb = (0.50, 0.36, 0.18)
+_BLACK: Rgb = (0.0, 0.0, 0.0)
+_LUMINAIRE_SHINES: Rgb = (1.0, 0.92, 0.70)
 _PLATE: Rgb = (0.80, 0.12, 0.12)
 _LEAVES: tuple[Rgb, ...] = ((0.20, 0.33, 0.12), (0.26, 0.38, 0.15), (0.17, 0.29, 0.14), (0.33, 0.40, 0.17))
 
@@ -59,8 +64,9 @@ def roadside_parts(
     road = carriageway.union(pavement)
     near, far = (sight_area(road, cameras, reach_m) for reach_m in (_TREE_SIGHT_M, _SIGHT_M))
     houses = list(_houses(road, far, stream(seed, "buildings")))
-    for number, (outline, height_m, rgb) in enumerate(houses):
-        yield from _building(number, outline, height_m, rgb, terrain)
+    at_home = stream(seed, "lit windows")
+    for number, house in enumerate(houses):
+        yield from _building(number, house, terrain, at_home)
     taken = shapely.union_all([shapely.Polygon(outline).buffer(2.0) for outline, _, _ in houses] + [near])
     yield from _trees(road, taken, terrain, stream(seed, "trees"))
     yield from _poles(carriageway, road_map)
@@ -128,19 +134,28 @@ def _houses(
             yield shapely.get_coordinates(outline)[:4], float(height_m), rgb
 
 
-def _building(number: int, outline_m: FloatArray, height_m: float, rgb: Rgb, terrain: Terrain) -> Iterator[StillPart]:
+def _building(
+    number: int, house: tuple[FloatArray, float, Rgb], terrain: Terrain, at_home: np.random.Generator
+) -> Iterator[StillPart]:
+    """A block with a grid of windows, some of them lit at night."""
+    outline_m, height_m, rgb = house
     foot = float(terrain.height_m(outline_m).min()) - 0.5
     top = foot + 0.5 + height_m
     yield StillPart(f"building/{number}", PartKind.BUILDING, prism(outline_m, bottom_m=foot, top_m=top), rgb)
     centre = outline_m.mean(axis=0)
     rim = prism(centre + 1.02 * (outline_m - centre), bottom_m=top, top_m=top + 0.4)
     yield StillPart(f"building/{number}/roof", PartKind.BUILDING, rim, _ROOF)
-    panes = [_windows(a, b, foot + 0.5, height_m) for a, b in zip(outline_m, np.roll(outline_m, -1, 0), strict=True)]
-    yield StillPart(f"building/{number}/windows", PartKind.BUILDING, merged(panes), _PANE, adorns=True)
+    walls = zip(outline_m, np.roll(outline_m, -1, 0), strict=True)
+    panes = np.concatenate([_windows(a, b, foot + 0.5, height_m) for a, b in walls])
+    lit = at_home.uniform(size=len(panes)) < _AT_HOME
+    for name, which, shining in (("windows", ~lit, _BLACK), ("lit_windows", lit, _LIT_PANE)):
+        if which.any():
+            mesh = quads(panes[which])
+            yield StillPart(f"building/{number}/{name}", PartKind.BUILDING, mesh, _PANE, adorns=True, shining=shining)
 
 
-def _windows(a: FloatArray, b: FloatArray, foot_m: float, height_m: float) -> Mesh:
-    """A grid of windows on the wall from ``a`` to ``b`` (2,), which has the outside on its right."""
+def _windows(a: FloatArray, b: FloatArray, foot_m: float, height_m: float) -> FloatArray:
+    """A grid of windows on the wall from ``a`` to ``b`` (2,), which has the outside on its right; (K, 4, 3) corners."""
     length = float(np.linalg.norm(b - a))
     along, out = (b - a) / length, np.array([(b - a)[1], -(b - a)[0]]) / length
     across = (np.arange(max(1, int(length / _BAY_M))) + 0.5) * length / max(1, int(length / _BAY_M))
@@ -148,7 +163,7 @@ def _windows(a: FloatArray, b: FloatArray, foot_m: float, height_m: float) -> Me
     middle = np.stack(np.meshgrid(across, floors), axis=-1).reshape(-1, 2)  # (K, 2) along the wall, up
     corners = middle[:, None] + np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * np.array(_WINDOW_M) / 2  # (K, 4, 2)
     flat = a + corners[..., :1] * along + 0.02 * out
-    return quads(np.concatenate([flat, corners[..., 1:]], axis=-1))
+    return np.concatenate([flat, corners[..., 1:]], axis=-1)
 
 
 def _trees(road: BaseGeometry, taken: BaseGeometry, terrain: Terrain, rng: np.random.Generator) -> Iterator[StillPart]:
@@ -204,7 +219,8 @@ def _lamp(name: str, foot_m: FloatArray, inward: FloatArray) -> Iterator[StillPa
     tip = top + _LAMP_ARM_M * inward
     yield _pole(f"{name}/post", foot_m, LAMP_HEIGHT_M, 0.09)
     yield StillPart(f"{name}/arm", PartKind.POLE, _beam(top, tip, 0.06), _STEEL)
-    yield StillPart(f"{name}/lamp", PartKind.POLE, _beam(tip - 0.3 * inward, tip + 0.4 * inward, 0.16), _LUMINAIRE)
+    housing = _beam(tip - 0.3 * inward, tip + 0.4 * inward, 0.16)
+    yield StillPart(f"{name}/lamp", PartKind.POLE, housing, _LUMINAIRE, shining=_LUMINAIRE_SHINES)
 
 
 def _signal(name: str, position_m: FloatArray, inward: FloatArray) -> Iterator[StillPart]:
@@ -214,7 +230,9 @@ def _signal(name: str, position_m: FloatArray, inward: FloatArray) -> Iterator[S
     yield StillPart(f"{name}/head", PartKind.POLE, _beam(tip - 0.55 * inward, tip + 0.55 * inward, 0.36), _HOUSING)
     for k, rgb in enumerate(_SIGNAL_LIGHTS):
         at = tip + 0.35 * (k - 1) * inward + 0.06 * _UP
-        yield StillPart(f"{name}/light/{k}", PartKind.POLE, _beam(at - 0.1 * inward, at + 0.1 * inward, 0.38, 0.2), rgb)
+        lens = _beam(at - 0.1 * inward, at + 0.1 * inward, 0.38, 0.2)
+        red, green, blue = (_SIGNAL_SHINES * channel for channel in rgb)
+        yield StillPart(f"{name}/light/{k}", PartKind.POLE, lens, rgb, shining=(red, green, blue))
 
 
 def _pole(name: str, foot_m: FloatArray, height_m: float, radius_m: float) -> StillPart:

@@ -64,3 +64,9 @@ def cropped(camera: Camera, window: Window) -> Camera:
 def meet(one: Window, other: Window) -> bool:
     """Whether they have a pixel in common."""
     return all(a.start < b.stop and b.start < a.stop for a, b in zip(one, other, strict=True))
+
+
+def common(one: Window, other: Window) -> Window:
+    """What two parts that meet share."""
+    rows, columns = (slice(max(a.start, b.start), min(a.stop, b.stop)) for a, b in zip(one, other, strict=True))
+    return rows, columns

@@ -13,7 +13,7 @@ from scenarios.loader import build_world, list_scenarios, load_scenario
 from scenarios.rig_file import load_rig
 from scenarios.schema import RailScenario, Scenario
 from sim.colours import Colour
-from sim.lights import LightPreset
+from sim.lights import RAIL_LIGHTS
 
 JUMP_M = 1e-3  # more than rounding, less than any way that speed and limits do not explain
 
@@ -72,7 +72,7 @@ def test_every_light_occurs_in_both_splits_of_the_sequences():
         mine = [scenario for scenario in sequences if scenario.split == split]
         lights = {scenario.light for scenario in mine} | {c.to for scenario in mine for c in scenario.light_change}
         assert len(mine) == count
-        assert lights == set(LightPreset)
+        assert lights == set(RAIL_LIGHTS)
         assert all(scenario.frame_count >= 250 for scenario in mine)
         assert all(load_rig(s.rig).cameras[0].resolution_px == (1280, 720) for s in mine)
 

@@ -16,7 +16,7 @@ from sim.box_shadow import BoxShadow
 from sim.full_renderer import FullRenderer
 from sim.layered_renderer import LayeredRenderer
 from sim.lens import Lens, pinhole_camera
-from sim.lights import Beam, LightPreset
+from sim.lights import RAIL_LIGHTS, Beam, LightPreset
 from sim.outlines import NEAR_M, covered, window_around
 from sim.plant_scene import scene_of_plant
 from sim.rig import CameraSpec, Departure, RigSpec, true_cameras
@@ -47,7 +47,7 @@ def random_state(rng: np.random.Generator) -> Truth:
 
 
 @pytest.mark.film
-@pytest.mark.parametrize("preset", LightPreset)
+@pytest.mark.parametrize("preset", RAIL_LIGHTS)
 def test_layered_pictures_are_the_full_ones_but_for_a_few_pixels_at_edges(preset):
     scene, pinholes = setting()
     full, layered = FullRenderer(scene, pinholes, preset), LayeredRenderer(scene, pinholes, preset)

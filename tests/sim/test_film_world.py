@@ -12,7 +12,7 @@ from contracts import InputError, Intrinsics
 from scenarios.plant_file import load_plant
 from sim.film import CameraFilm, advanced
 from sim.lens import Lens
-from sim.lights import LightPreset
+from sim.lights import RAIL_LIGHTS, ROAD_LIGHTS
 from sim.rail_world import RailWorld
 from sim.renderer import Rendered
 from sim.rig import CameraSpec, RigSpec
@@ -160,7 +160,8 @@ def test_a_state_moves_on_along_its_velocity():
 
 
 def test_every_light_has_its_name():
-    assert {str(light) for light in LightPreset} == {"sunny", "cloudy", "lamps", "dusk", "moving_shadow", "flicker"}
+    assert {str(light) for light in RAIL_LIGHTS} == {"sunny", "cloudy", "lamps", "dusk", "moving_shadow", "flicker"}
+    assert {str(light) for light in ROAD_LIGHTS} == {"sunny", "cloudy", "dusk", "night"}
 
 
 class Keeper:

@@ -101,7 +101,8 @@ def _spot(camera: Camera, at: _Place, bgr: FloatArray, radius_m: float, air: Air
     if not bgr.any():
         return
     focal, through = camera.intrinsics.fx_px, math.exp(-air.extinction_per_m * at.range_m)
-    sigma = max(_SHARPEST_PX, 0.5 * focal * radius_m / at.depth_m)
+    size = 0.5 * focal * radius_m / at.depth_m
+    sigma = max(_SHARPEST_PX, size)
     halo = max(1.5 * sigma, _HALO_PX * focal)
     mist = 0.0 if air.is_clear else _MIST * (1 - through)
     reach = _ENDS * (_MIST_PX * focal if mist else halo)
@@ -113,7 +114,7 @@ def _spot(camera: Camera, at: _Place, bgr: FloatArray, radius_m: float, air: Air
     profile = np.exp(-0.5 * (away / sigma) ** 2) + _faded(away, halo, _HALO)
     if mist:
         profile += _faded(away, _MIST_PX * focal, mist)
-    yield Spot((rows, columns), (profile[..., None] * (through * bgr)).astype(np.float32))
+    yield Spot((rows, columns), (profile[..., None] * (through * (size / sigma) ** 2 * bgr)).astype(np.float32))
 
 
 def _faded(away_px: FloatArray, length_px: float, level: float) -> FloatArray:

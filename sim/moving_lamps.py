@@ -19,6 +19,7 @@ from sim.sight import Sight, normals_of
 
 _HEAD_RGB = (0.98, 1.0, 0.95)  # relative to the strongest channel of the streetlamps
 _EVERY_PX = 4  # beams are soft: their light on the road is looked at in so many pixels each way
+_BRIGHTEST = 1.2  # irradiance on users towards which beams saturate: nearby they would blind any camera
 _FAINT = 4e-3
 _FAR_M = 1e4
 
@@ -62,7 +63,7 @@ class MovingLamps:
         for beam in self.beams:
             close = np.flatnonzero(np.abs(places[:, :2] - beam.position_m[:2].astype(np.float32)).max(axis=1) < REACH_M)
             heads[close] += beam.on(places[close], normals[close])
-        falling[users] += heads[:, None] * self.head_bgr
+        falling[users] += (heads / (1 + heads / np.float32(_BRIGHTEST)))[:, None] * self.head_bgr
         return np.where(users[..., None], falling, cv2.dilate(falling, np.ones((3, 3), np.uint8)))
 
 

@@ -4,9 +4,10 @@ Light on its way through air loses the share 1 - exp(-extinction * range) and ga
 light (Koschmieder 1924). The sky is air without end.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +16,7 @@ from sim.lights import Light
 
 _KOSCHMIEDER = 3.912  # extinction times the range at which a contrast has sunk to 2 %
 _VEHICLE_M, _UNSEEN = 10.0, 0.02  # long; share of the light that may get lost before it shows
+_LAMPS_GLOW, _LAMPS_REACH_M = 0.16, 40.0  # share of lamps' light that stays in fog, and way that it goes through it
 _TOP_RAD = 0.6  # elevation at which the sky has its own colour; the horizon has that of the air
 _ZENITH_BGR, _CLOUDY_BGR = (1.0, 0.78, 0.58), (0.93, 0.93, 0.93)  # high above, relative to the horizon
 Array32 = NDArray[np.float32]
@@ -29,8 +31,18 @@ class Weather(StrEnum):
     FOG = "fog"
 
 
+_CLOSED, _THROUGH_CLOUDS = frozenset((Weather.RAIN, Weather.FOG)), 0.6
 VISIBILITY_M = {Weather.DRY: 4000.0, Weather.WET: 2500.0, Weather.RAIN: 700.0, Weather.FOG: 140.0}
 """Meteorological range: how far one sees."""
+
+
+def diffused(light: Light, weather: Weather) -> Light:
+    """What of a light comes down through rain clouds or fog: no beam, and what it brought from the whole sky."""
+    if weather not in _CLOSED or not light.beams:
+        return light
+    brought = sum(np.array(beam.rgb) * np.sin(beam.elevation_rad) for beam in light.beams)
+    red, green, blue = (np.array(light.sky) + _THROUGH_CLOUDS * brought).tolist()
+    return replace(light.without_beams(), sky=(red, green, blue))
 
 
 @dataclass(frozen=True)
@@ -45,9 +57,11 @@ class Air:
         """The air of a weather."""
         sky = np.array(light.sky[::-1]) + np.array(light.ambient[::-1])
         glow = np.sum([np.array(beam.rgb[::-1]) for beam in light.beams], axis=0) if light.beams else np.zeros(3)
-        level = light.factor * (0.92 * sky + 0.45 * glow)
+        extinction = _KOSCHMIEDER / VISIBILITY_M[weather]
+        scattered = _LAMPS_GLOW * (1.0 - np.exp(-extinction * _LAMPS_REACH_M)) * np.array(light.lamps[::-1])
+        level = light.factor * (0.92 * sky + 0.45 * glow) + scattered
         blue, green, red = np.minimum(255.0 * level, 250.0).tolist()
-        return Air(_KOSCHMIEDER / VISIBILITY_M[weather], (blue, green, red))
+        return Air(extinction, (blue, green, red))
 
     @property
     def is_clear(self) -> bool:
@@ -60,9 +74,15 @@ class Air:
 
     def seen_through(self, image: Array32, range_m: Array32, opacity: Array32 | None = None) -> Array32:
         """An image (H, W, 3) of things at ranges (H, W) as it is seen; ``opacity`` (H, W) where it is a layer."""
-        through = self.transmission(range_m)[..., None]
-        veil = 1 - through if opacity is None else (1 - through) * opacity[..., None]
-        return np.asarray(image * through + veil * np.array(self.bgr, np.float32), np.float32)
+        through = self.transmission(range_m)
+        veil = 1 - through if opacity is None else (1 - through) * opacity
+        return np.asarray(image * in_colour(through) + in_colour(veil, np.array(self.bgr, np.float32)), np.float32)
+
+
+def in_colour(levels: Array32, bgr: Array32 | None = None) -> Array32:
+    """The same in all channels, (H, W, 3), or times a colour; NumPy's own broadcasting is several times slower."""
+    channels = [levels] * 3 if bgr is None else [levels * channel for channel in bgr]
+    return np.asarray(cv2.merge(channels), np.float32)
 
 
 def sky_picture(camera: Camera, air: Air, *, clear: bool) -> Array32:

@@ -18,13 +18,14 @@ from sim.headlamps import Lamps
 from sim.outlines import NEAR_M, seen_px
 from sim.renderer import Window
 
-_HEAD_BGR, _TAIL_BGR = (1010.0, 1080.0, 1150.0), (50.0, 45.0, 620.0)
+_HEAD_BGR, _TAIL_BGR = (900.0, 960.0, 1020.0), (26.0, 22.0, 360.0)
+_LARGEST_M = 0.09  # radius of what shines in the housing of a lamp
 _STREET_BGR = (560.0, 860.0, 1080.0)
 _STREET_RADIUS_M = 0.28
 _BEHIND_M = 0.7  # by which the surface of a luminaire may be before its middle
 _SHARPEST_PX = 0.7  # no spot is smaller: standard deviation
 _HALO, _HALO_PX = 0.045, 0.0042  # share of the spot's level; length over which it falls, of the focal length
-_MIST, _MIST_PX = 0.10, 0.026  # the same of what fog adds, where all light is scattered once
+_MIST, _MIST_PX = 0.16, 0.034  # the same of what fog adds, where all light is scattered once
 _ENDS = 4.0  # halos are cut at so many lengths
 _LOOKS_RAD = 0.15  # sine of the angle from behind which a lamp cannot be seen
 
@@ -57,7 +58,7 @@ def vehicle_spots(camera: Camera, state: Truth, wardrobe: Wardrobe, instances: I
         free = _share(instances == lamps.rows[k] + 1, at)
         if looks > _LOOKS_RAD and free:
             level = np.array(_TAIL_BGR if lamps.red[k] else _HEAD_BGR) * free * (0.2 + 0.8 * looks**2)
-            yield from _spot(camera, at, level, float(lamps.radii_m[k]), air)
+            yield from _spot(camera, at, level, min(_LARGEST_M, float(lamps.radii_m[k])), air)
 
 
 def added(spots: list[Spot], shape: tuple[int, ...]) -> Array32:

@@ -18,10 +18,11 @@ from sim.body_shapes import Wardrobe, affine
 from sim.camera_truth import footprint_corners
 
 _INTENSITY_M2 = 2100.0  # in the middle of the beam, relative to the light of streetlamps
-_ACROSS_RAD, _BELOW_RAD, _ABOVE_RAD = 0.25, 0.035, 0.008  # how fast it falls to the sides, below and above its middle
-_DIPPED_RAD = 0.030
+_ACROSS, _BELOW, _ABOVE = 0.25, 0.035, 0.008  # slopes by which it falls to the sides, below and above its middle
+_DIPPED = 0.030
 _HIGHEST_M = 1.5  # higher lamps light a destination board, not the road
-REACH_M, _WIDE_RAD, _TALL_M = 45.0, 0.80, 1.6
+_NEAREST_M, _REACH_M = 0.3, 45.0
+_WIDE = 1.0  # slope beyond which there is no light
 _BINS = 64
 
 
@@ -66,7 +67,8 @@ class Lamps:
 class Beam:
     """The dipped light of one vehicle.
 
-    position_m: (3,) between its lamps. begins_m, ends_m: (B,) by azimuth, how far away others stand in its way.
+    position_m: (3,) between its lamps.
+    begins_m, ends_m: (B,) by slope to the left, how far ahead others stand in its way.
     """
 
     row: int
@@ -75,44 +77,44 @@ class Beam:
     begins_m: Array32
     ends_m: Array32
 
-    @property
-    def corners_m(self) -> FloatArray:
-        """(8, 3) around all that it lights to speak of."""
-        angles = self.heading_rad + np.array([-_WIDE_RAD, 0.0, _WIDE_RAD]) * 0.8
-        rim = self.position_m[:2] + REACH_M * np.column_stack([np.cos(angles), np.sin(angles)])
-        ground = np.vstack([self.position_m[:2], rim])
-        foot = self.position_m[2] - _TALL_M / 2
-        return np.concatenate([np.insert(ground, 2, height, axis=1) for height in (foot, foot + _TALL_M)])
-
     def on_ground(self, points_m: Array32) -> Array32:
         """Irradiance on level ground at (N, 3), (N,)."""
-        towards, range_m, azimuth = self._polar(points_m)
-        cosine = np.maximum(-towards[:, 2] / range_m, np.float32(0.0))
-        return np.asarray(self._falling(towards, range_m, azimuth, self.begins_m) * cosine)
+        return self._on(points_m, None)
 
     def on(self, points_m: Array32, normals: Array32) -> Array32:
         """Irradiance on surfaces of road users at (N, 3) with these unit normals, (N,)."""
-        towards, range_m, azimuth = self._polar(points_m)
-        cosine = np.maximum(-(towards * normals).sum(axis=1) / range_m, np.float32(0.0))
-        return np.asarray(self._falling(towards, range_m, azimuth, self.ends_m) * cosine)
+        return self._on(points_m, normals)
 
-    def _polar(self, points_m: Array32) -> tuple[Array32, Array32, Array32]:
-        towards = points_m - self.position_m.astype(np.float32)
-        range_m = np.maximum(np.sqrt((towards * towards).sum(axis=1)), np.float32(0.3))
-        azimuth = np.arctan2(towards[:, 1], towards[:, 0]) - np.float32(self.heading_rad)
-        return towards, range_m, np.mod(azimuth + np.float32(np.pi), np.float32(2 * np.pi)) - np.float32(np.pi)
+    def _on(self, points_m: Array32, normals: Array32 | None) -> Array32:
+        cos, sin = np.float32(np.cos(self.heading_rad)), np.float32(np.sin(self.heading_rad))
+        x, y, z = (points_m - self.position_m.astype(np.float32)).T
+        ahead, left = x * cos + y * sin, y * cos - x * sin
+        lit = np.flatnonzero((ahead > _NEAREST_M) & (ahead < _REACH_M) & (np.abs(left) < _WIDE * ahead))
+        x, y, z, ahead, left = (part[lit] for part in (x, y, z, ahead, left))
+        squared = x * x + y * y + z * z
+        nearness = 1 / np.sqrt(squared)
+        facing = -z if normals is None else -(x * normals[lit, 0] + y * normals[lit, 1] + z * normals[lit, 2])
+        free = _free(left / ahead, ahead, self.begins_m if normals is None else self.ends_m)
+        irradiance = np.zeros(len(points_m), np.float32)
+        cosine = np.maximum(facing * nearness, np.float32(0.0))
+        irradiance[lit] = free * cosine * _intensity_m2(left / ahead, -z * nearness) * nearness * nearness
+        return irradiance
 
-    def _falling(self, towards: Array32, range_m: Array32, azimuth: Array32, blocked_m: Array32) -> Array32:
-        """Irradiance on a surface that faces the lamps."""
-        below = -towards[:, 2] / range_m - np.float32(_DIPPED_RAD)
-        fall = np.where(below > 0, below * np.float32(1 / _BELOW_RAD), below * np.float32(-1 / _ABOVE_RAD))
-        across = azimuth * np.float32(1 / _ACROSS_RAD)
-        light = np.float32(_INTENSITY_M2) * np.exp(-fall - np.float32(0.5) * across * across) / (range_m * range_m)
-        bins = (azimuth + np.float32(_WIDE_RAD)) * np.float32(_BINS / (2 * _WIDE_RAD)) - np.float32(0.5)
-        first = np.clip(bins.astype(np.int32), 0, _BINS - 2)
-        share = np.clip(bins - first, np.float32(0.0), np.float32(1.0))
-        left, right = range_m <= blocked_m[first], range_m <= blocked_m[first + 1]  # a penumbra as wide as a bin
-        return np.asarray(light * (left * (1 - share) + right * share) * (np.abs(azimuth) < _WIDE_RAD), np.float32)
+
+def _intensity_m2(aside: Array32, down: Array32) -> Array32:
+    """Intensity towards slopes to a side and down."""
+    below = down - np.float32(_DIPPED)
+    fall = np.maximum(below * np.float32(1 / _BELOW), below * np.float32(-1 / _ABOVE))
+    across = aside * np.float32(1 / _ACROSS)
+    return np.asarray(np.float32(_INTENSITY_M2) * np.exp(-fall - np.float32(0.5) * across * across))
+
+
+def _free(aside: Array32, ahead_m: Array32, blocked_m: Array32) -> Array32:
+    """Share of the light that gets there, with a penumbra as wide as a bin."""
+    bins = (aside + np.float32(_WIDE)) * np.float32(_BINS / (2 * _WIDE)) - np.float32(0.5)
+    first = np.clip(bins.astype(np.int32), 0, _BINS - 2)
+    share = np.clip(bins - first, np.float32(0.0), np.float32(1.0))
+    return np.asarray((ahead_m <= blocked_m[first]) * (1 - share) + (ahead_m <= blocked_m[first + 1]) * share)
 
 
 def beams_of(state: Truth, lamps: Lamps) -> Iterator[Beam]:
@@ -130,18 +132,16 @@ def beams_of(state: Truth, lamps: Lamps) -> Iterator[Beam]:
 
 
 def _blocked(position_m: FloatArray, heading_rad: float, corners_m: FloatArray) -> tuple[Array32, Array32]:
-    """How far away the nearest of footprints (M, 4, 2) begins and ends, by azimuth; (B,) each, infinity if none."""
-    away = corners_m - position_m[:2]
-    ranges = np.linalg.norm(away, axis=2)
-    angles = np.arctan2(away[..., 1], away[..., 0]) - heading_rad
-    angles = np.mod(angles + np.pi, 2 * np.pi) - np.pi
-    ahead = (np.abs(angles) < np.pi / 2).all(axis=1)
-    ranges, angles = ranges[ahead], angles[ahead]
-    middle = (np.arange(_BINS) + 0.5) * 2 * _WIDE_RAD / _BINS - _WIDE_RAD
-    behind = (angles.min(axis=1)[:, None] <= middle) & (angles.max(axis=1)[:, None] >= middle)  # (M, B)
+    """How far ahead the nearest of footprints (M, 4, 2) begins and ends, by slope; (B,) each, infinity if none."""
+    cos, sin = np.cos(heading_rad), np.sin(heading_rad)
+    away = (corners_m - position_m[:2]) @ np.array([[cos, -sin], [sin, cos]])  # (M, 4, 2) ahead, to the left
+    away = away[(away[..., 0] > _NEAREST_M).all(axis=1)]
+    aside = away[..., 1] / away[..., 0]
+    middle = (np.arange(_BINS) + 0.5) * 2 * _WIDE / _BINS - _WIDE
+    behind = (aside.min(axis=1)[:, None] <= middle) & (aside.max(axis=1)[:, None] >= middle)  # (M, B)
     begins, ends = (
         np.where(behind, reach[:, None], np.inf).min(axis=0, initial=np.inf).astype(np.float32)
-        for reach in (ranges.min(axis=1), ranges.max(axis=1))
+        for reach in (away[..., 0].min(axis=1), away[..., 0].max(axis=1))
     )
     return begins, ends
 

@@ -22,16 +22,16 @@ def irradiance(points_m: Array32, normals: Array32, lamps_m: FloatArray) -> Arra
     Equal intensity to all sides below the screen's edge, so the light on a surface follows the inverse square and its
     cosine; what does not lie is lit a little from behind, too.
     """
+    px, py, pz, nx, ny, nz = (part[..., axis] for part in (points_m, normals) for axis in range(3))
     total = np.zeros(points_m.shape[:-1], np.float32)
-    level = normals[..., 2] > np.float32(0.999)
-    fill = np.where(level, np.float32(0.0), np.float32(_FILL))
-    for lamp in lamps_m.astype(np.float32):
-        towards = lamp - points_m
-        squared = np.maximum((towards * towards).sum(axis=-1), np.float32(_NEAREST_M**2))
-        range_m = np.sqrt(squared)
-        cosine = np.maximum((towards * normals).sum(axis=-1) / range_m, np.float32(0.0))
-        below = np.clip(towards[..., 2] / (np.float32(_SHIELDED) * range_m), 0.0, 1.0)
-        total += np.float32(LAMP_HEIGHT_M**2) * below * (fill + (1 - fill) * cosine) / squared
+    fill = np.where(nz > np.float32(0.999), np.float32(0.0), np.float32(_FILL))
+    for lamp_x, lamp_y, lamp_z in lamps_m.astype(np.float32):
+        x, y, z = lamp_x - px, lamp_y - py, lamp_z - pz
+        squared = np.maximum(x * x + y * y + z * z, np.float32(_NEAREST_M**2))
+        nearness = 1 / np.sqrt(squared)
+        cosine = np.maximum((x * nx + y * ny + z * nz) * nearness, np.float32(0.0))
+        below = np.clip(z * nearness * np.float32(1 / _SHIELDED), np.float32(0.0), np.float32(1.0))
+        total += below * (fill + (1 - fill) * cosine) * (np.float32(LAMP_HEIGHT_M**2) * nearness * nearness)
     return total
 
 

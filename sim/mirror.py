@@ -38,14 +38,15 @@ class Mirror:
     """The wet ground that one camera sees.
 
     camera: the reflected one, of half the size, whose picture ``smeared`` turns into what the ground shows.
-    weights: (H, W, 1) share of the mirror image in what each pixel shows.
+    weights: (H, W, 3) share of the mirror image in what each pixel shows.
     """
 
     def __init__(self, sight: Sight, weather: Weather, seed: int) -> None:
         self._shape = sight.kinds.shape
         normal, offset_m = _plane(sight)
         self.camera = reflected(coarse(sight.camera), normal, offset_m)
-        self.weights = (_wetness(sight, weather, seed) * _fresnel(sight, normal))[..., None]
+        weights = _wetness(sight, weather, seed) * _fresnel(sight, normal)
+        self.weights = np.repeat(weights[..., None], 3, axis=2)
         self._focal_px = self.camera.intrinsics.fx_px
 
     def grown(self, window: Window) -> Window:
@@ -86,7 +87,10 @@ class Mirror:
 
     def laid(self, ground: Array32, picture: Array32, window: Window) -> Array32:
         """The ground (h, w, 3) in a window with the mirror image (h, w, 3) on it."""
-        return np.asarray(ground + self.weights[window] * (picture - ground))
+        more = picture - ground
+        more *= self.weights[window]
+        more += ground
+        return more
 
 
 def _all_of(picture: Array32) -> Window:

@@ -11,14 +11,14 @@ from contracts import Camera, FloatArray, ImageArray
 from contracts.truth import Truth
 from sim.air import Array32
 from sim.body_shapes import Wardrobe
-from sim.headlamps import REACH_M, Beam, Lamps, beams_of
+from sim.headlamps import Beam, Lamps, beams_of
 from sim.lamplight import irradiance, near
 from sim.lights import Light
 from sim.renderer import Window
-from sim.sight import Sight, normals_of
+from sim.sight import Sight, surfaces_at
 
 _HEAD_RGB = (0.98, 1.0, 0.95)  # relative to the strongest channel of the streetlamps
-_EVERY_PX = 4  # beams are soft: their light on the road is looked at in so many pixels each way
+_EVERY_PX = 4  # each way
 _BRIGHTEST = 1.2  # irradiance on users towards which beams saturate: nearby they would blind any camera
 _FAINT = 4e-3
 _FAR_M = 1e4
@@ -43,44 +43,46 @@ class MovingLamps:
         """Colour and level of the beams."""
         return np.array(_HEAD_RGB[::-1], np.float32) * np.float32(max(self.light.lamps))
 
-    def on_users(
-        self, points_m: Array32, depth_m: NDArray[np.float32], instances: ImageArray, camera: Camera
-    ) -> Array32:
-        """Irradiance (h, w, 3) BGR on road users in a part of ``camera``'s picture, and just beside them.
+    def on_users(self, camera: Camera, depth_m: NDArray[np.float32], instances: ImageArray) -> Array32:
+        """Irradiance (h, w, 3) BGR on the road users that a pinhole shows, and just beside them.
 
-        points_m: (h, w, 3) world, depth_m, instances: (h, w) of what that part shows.
+        depth_m, instances: (h, w).
         """
         users = instances > 0
         falling = np.zeros((*users.shape, 3), np.float32)
         if not users.any():
             return falling
-        alone_m = np.where(users, depth_m, np.float32(_FAR_M))
-        normals = normals_of(points_m, alone_m, camera)[users]
-        places = points_m[users]
-        street = irradiance(places, normals, near(self.lamps_m, places))[:, None]
-        falling[users] = street * np.array(self.light.lamps[::-1], np.float32)
-        heads = np.zeros(len(places), np.float32)
+        points_m, normals = surfaces_at(camera, np.where(users, depth_m, np.float32(_FAR_M)), users)
+        heads = np.zeros(len(points_m), np.float32)
         for beam in self.beams:
-            close = np.flatnonzero(np.abs(places[:, :2] - beam.position_m[:2].astype(np.float32)).max(axis=1) < REACH_M)
-            heads[close] += beam.on(places[close], normals[close])
-        falling[users] += (heads / (1 + heads / np.float32(_BRIGHTEST)))[:, None] * self.head_bgr
-        return np.where(users[..., None], falling, cv2.dilate(falling, np.ones((3, 3), np.uint8)))
+            heads += beam.on(points_m, normals)
+        heads /= 1 + heads / np.float32(_BRIGHTEST)
+        street = irradiance(points_m, normals, near(self.lamps_m, points_m))
+        light = np.array([self.light.lamps[::-1], self.head_bgr], np.float32)
+        falling[users] = np.stack([street, heads], axis=1) @ light
+        beside = cv2.dilate(falling, np.ones((3, 3), np.uint8))
+        beside[users] = falling[users]
+        return np.asarray(beside)
 
 
-def pool(sight: Sight, beams: Sequence[Beam]) -> Array32:
-    """Irradiance of beams on all ground in sight, (H, W)."""
-    height, width = sight.kinds.shape
-    rows, columns = (np.minimum(np.arange(0, n, _EVERY_PX) + _EVERY_PX // 2, n - 1) for n in (height, width))
-    ground = sight.ground[np.ix_(rows, columns)]
-    places = sight.points_m[np.ix_(rows, columns)][ground]
-    light = np.zeros(len(places), np.float32)
-    for beam in beams:
-        close = np.flatnonzero(np.abs(places[:, :2] - beam.position_m[:2].astype(np.float32)).max(axis=1) < REACH_M)
-        light[close] += beam.on_ground(places[close])
-    coarse = np.zeros(ground.shape, np.float32)
-    coarse[ground] = light
-    fine = cv2.resize(coarse, None, fx=_EVERY_PX, fy=_EVERY_PX, interpolation=cv2.INTER_LINEAR)
-    return np.asarray(fine[:height, :width])
+class LitGround:
+    """The ground in sight, on which beams fall: they are soft, so every few pixels will do."""
+
+    def __init__(self, sight: Sight) -> None:
+        self._shape = sight.kinds.shape
+        rows, columns = (np.minimum(np.arange(0, n, _EVERY_PX) + _EVERY_PX // 2, n - 1) for n in self._shape)
+        self._lies = sight.ground[np.ix_(rows, columns)]
+        self._points_m = np.ascontiguousarray(sight.points_m[np.ix_(rows, columns)][self._lies].T).T
+
+    def under(self, beams: Sequence[Beam]) -> Array32:
+        """Irradiance of beams, (H, W); it reaches beyond the ground's edge by a few pixels."""
+        light = np.zeros(len(self._points_m), np.float32)
+        for beam in beams:
+            light += beam.on_ground(self._points_m)
+        coarse = np.zeros(self._lies.shape, np.float32)
+        coarse[self._lies] = light
+        fine = cv2.resize(coarse, None, fx=_EVERY_PX, fy=_EVERY_PX, interpolation=cv2.INTER_LINEAR)
+        return np.asarray(fine[: self._shape[0], : self._shape[1]])
 
 
 def windows_of_light(light: Array32) -> Iterator[Window]:

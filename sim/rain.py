@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from contracts import ImageArray, InputError
-from sim.air import Air, Weather
+from sim.air import Air, Weather, diffused
 from sim.lights import Light
 from sim.streams import stream
 
@@ -37,7 +37,8 @@ class RainSpec:
         """What of a weather falls before the camera; None if nothing does."""
         if weather is not Weather.RAIN:
             return None
-        level = _BRIGHT * float(np.mean(Air.of(weather, light).bgr)) + _LAMPLIT * 255.0 * float(np.mean(light.lamps))
+        air = Air.of(weather, diffused(light, weather))
+        level = _BRIGHT * float(np.mean(air.bgr)) + _LAMPLIT * 255.0 * float(np.mean(light.lamps))
         return RainSpec(min(level, 255.0), exposure_s)
 
     def __post_init__(self) -> None:

@@ -204,7 +204,7 @@ def _lamps(network: RoadNetwork) -> Iterator[Facility]:
         outer = road.lanes[0]
         kerb = offset_line(outer.shape_m, -outer.width_m / 2 - LAMP_BESIDE_M)
         length = float(np.linalg.norm(np.diff(kerb[:, :2], axis=0), axis=1).sum())
-        for k in range(int(length / LAMP_EVERY_M)):
+        for k in range(max(1, int(length / LAMP_EVERY_M))):
             position, _ = point_before_end(kerb, LAMP_BEFORE_END_M + k * LAMP_EVERY_M)
             yield Facility(f"lamp/{road.id}/{k}", position, FacilityKind.STREETLAMP)
         if _waits(network, road) is StopKind.SIGNAL:

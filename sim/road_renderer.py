@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from contracts import Camera, InputError
 from contracts.truth import Truth
+from sim.air import diffused
 from sim.body_shapes import Wardrobe
 from sim.light_program import lights_at
 from sim.renderer import Rendered, RendererName, blended
@@ -21,7 +22,7 @@ class RoadRenderer:
     def __init__(self, studio: RoadStudio, cameras: Sequence[Camera]) -> None:
         sizes = [(camera.intrinsics.width_px, camera.intrinsics.height_px) for camera in cameras]
         size = (max(w for w, _ in sizes), max(h for _, h in sizes))
-        self._light, self._name = studio.light, studio.name
+        self._light, self._weather, self._name = studio.light, studio.weather, studio.name
         wardrobe = Wardrobe(studio.seed)
         self._stages = RoadStage(studio.scene, size, wardrobe), VeilStage(studio.scene, size, wardrobe)
         self._views = {camera.name: RoadView(camera, studio, *self._stages) for camera in cameras}
@@ -32,7 +33,8 @@ class RoadRenderer:
             raise InputError(f"camera {camera} is not in this renderer; it has {', '.join(self._views)}")
         view = self._views[camera]
         draw = view.render_anew if self._name is RendererName.FULL else view.render
-        return blended([(weight, draw(state, light)) for weight, light in lights_at(self._light, state.time_ns)])
+        lights = lights_at(self._light, state.time_ns)
+        return blended([(weight, draw(state, diffused(light, self._weather))) for weight, light in lights])
 
     def close(self) -> None:
         """Free the OpenGL contexts."""

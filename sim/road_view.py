@@ -6,20 +6,21 @@ what its wet ground mirrors. Per frame OpenGL draws road users alone; their shad
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import numpy as np
 
 from contracts import Camera, ImageArray
 from contracts.truth import Truth
-from sim.air import Array32
+from sim.air import Array32, in_colour
 from sim.body_shapes import Wardrobe
 from sim.camera_truth import box_corners
 from sim.contact import shade_corners, shade_of
 from sim.glow import Spot, added
 from sim.lights import Light
 from sim.mirror import is_wet
-from sim.moving_lamps import MovingLamps, pool, windows_of_light
+from sim.moving_lamps import MovingLamps, windows_of_light
 from sim.renderer import Rendered, Still, Window
 from sim.road_scene import KIND_CODES, PartKind
 from sim.road_shadow import shadow_mask, thrown
@@ -78,7 +79,7 @@ class RoadView:
         spots = self._still.vehicle_spots(state, light, instances)
         ground = _Ground(
             self._shadow(state, light),
-            pool(self._sight, moving.beams) * self._sight.ground if moving.beams else None,
+            self._still.lit_ground.under(moving.beams) if moving.beams else None,
             None if self._wet is None else self._wet.change(state, light, moving),
         )
         windows = apart([*places, *(spot.window for spot in spots), *ground.windows])
@@ -145,20 +146,25 @@ class RoadView:
             share = ground.shadow[window].astype(np.float32) * self._sight.ground[window] / np.float32(255.0)
             part = lit + (empty.unlit[window] - lit) * share[..., None]
         else:
-            part = lit + (empty.dark[window] - lit) * self._contact_in(window, state)[..., None]
+            part = lit.copy()
+            self._shade_contacts(part, window, empty, state)
         if ground.pool is not None and empty.albedo is not None:
-            part += empty.albedo[window] * (ground.pool[window][..., None] * moving.head_bgr)
+            for lit_window in ground.lit_windows:
+                if meet(lit_window, window):
+                    shared = common(lit_window, window)
+                    falling = ground.pool[shared] * self._sight.ground[shared]
+                    part[inside(shared, window)] += empty.albedo[shared] * in_colour(falling, moving.head_bgr)
         return part if self._wet is None else self._wet.laid(part, moving.light, window, ground.mirrored)
 
-    def _contact_in(self, window: Window, state: Truth) -> Array32:
-        """Share of the sky's light that users keep from the ground, (h, w)."""
-        left = np.ones(self._sight.kinds[window].shape, np.float32)
+    def _shade_contacts(self, part: Array32, window: Window, empty: EmptyRoad, state: Truth) -> None:
+        """Take from a part of the ground (h, w, 3), written on, what users keep from it of the sky's light."""
         for row in range(len(state.ids)):
             near = window_of(self._camera, shade_corners(state, row))
             if near is not None and meet(near, window):
                 shared = common(near, window)
-                left[inside(shared, window)] *= 1 - shade_of(self._sight.points_m[shared], state, row)
-        return (1 - left) * self._sight.ground[window]
+                shade = shade_of(self._sight.points_m[shared], state, row) * self._sight.ground[shared]
+                there = part[inside(shared, window)]
+                there += (empty.dark[shared] - there) * in_colour(shade)
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,11 +178,15 @@ class _Ground:
     pool: Array32 | None
     mirrored: Change | None
 
+    @cached_property
+    def lit_windows(self) -> list[Window]:
+        """Where their lamps throw light."""
+        return [] if self.pool is None else list(windows_of_light(self.pool))
+
     @property
     def windows(self) -> list[Window]:
-        """Where it may be seen away from the users."""
-        lit = [] if self.pool is None else list(windows_of_light(self.pool))
-        return lit if self.mirrored is None else [*lit, self.mirrored.window]
+        """Where any of it may be seen away from the users."""
+        return self.lit_windows if self.mirrored is None else [*self.lit_windows, self.mirrored.window]
 
 
 def _shining(part: Array32, window: Window, empty: EmptyRoad, spots: Sequence[Spot]) -> Array32:

@@ -63,9 +63,10 @@ class Sight:
     @cached_property
     def normals(self) -> Array32:
         """Which way surfaces face, (H, W, 3): up where they lie, and 0 in the sky."""
-        found = normals_of(self.points_m, self.depth_m, self.camera)
+        found = np.zeros((*self.kinds.shape, 3), np.float32)
         found[self.ground] = _UP
-        found[self.kinds == 0] = 0.0
+        upright = ~self.ground & (self.kinds != 0)
+        found[upright] = surfaces_at(self.camera, self.depth_m, upright)[1]
         return found
 
     @cached_property
@@ -75,27 +76,36 @@ class Sight:
         return np.asarray(self.depth_m / np.float32(self.camera.intrinsics.fx_px) / np.sqrt(grazing))
 
 
-def normals_of(points_m: Array32, depth_m: Array32, camera: Camera) -> Array32:
-    """Unit normals (H, W, 3) of the surfaces through neighbouring pixels, towards the camera.
+def surfaces_at(camera: Camera, depth_m: NDArray[np.float32], where: NDArray[np.bool_]) -> tuple[Array32, Array32]:
+    """Points (N, 3), world, and unit normals (N, 3), towards the camera, in the N pixels of ``where`` (H, W).
 
-    points_m: (H, W, 3) world; depth_m: (H, W), of which the smaller step to either side decides on an edge.
+    depth_m: (H, W) of what a pinhole shows. A surface goes on to that neighbour to which the depth changes less.
     """
-    across = _step(points_m, depth_m, axis=1)
-    along = _step(points_m, depth_m, axis=0)
-    normals = np.cross(across, along)
-    normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), np.float32(1e-12))
-    inward = ((points_m - camera.pose.position_m.astype(np.float32)) * normals).sum(axis=2) > 0
-    normals[inward] *= -1
-    return np.asarray(normals)
+    v, u = np.nonzero(where)
+    size, depth = camera.intrinsics, depth_m[v, u]
+    x, y = ((u - size.cx_px) / size.fx_px).astype(np.float32), ((v - size.cy_px) / size.fy_px).astype(np.float32)
+    du, beside = _slope(depth_m, (v, u), axis=1)
+    dv, below = _slope(depth_m, (v, u), axis=0)
+    p, q = beside / np.float32(size.fx_px), below / np.float32(size.fy_px)
+    # the surface is depth (x, y, 1): its steps are (du x + p, du y, du) and (dv x, dv y + q, dv); this is their product
+    normals = np.stack([-q * du, -p * dv, p * q + x * q * du + y * p * dv])
+    outwards = -np.sign(x * normals[0] + y * normals[1] + normals[2])
+    lengths = np.sqrt(normals[0] ** 2 + normals[1] ** 2 + normals[2] ** 2)
+    normals *= outwards / np.maximum(lengths, np.float32(1e-12))
+    turn = camera.pose.world_from_camera.astype(np.float32)
+    points = turn @ np.stack([x * depth, y * depth, depth]) + camera.pose.position_m.astype(np.float32)[:, None]
+    return points.T, (turn @ normals).T
 
 
-def _step(points_m: Array32, depth_m: Array32, *, axis: int) -> Array32:
-    """From each pixel to its neighbour along an axis, (H, W, 3): to the side on which the depth changes less."""
-    if points_m.shape[axis] < 2:
-        return np.zeros_like(points_m)
-    steps, jumps = np.diff(points_m, axis=axis), np.abs(np.diff(depth_m, axis=axis))
-    last = np.take(steps, [-1], axis), np.take(jumps, [-1], axis)
-    first = np.take(steps, [0], axis), np.take(jumps, [0], axis)
-    ahead = np.concatenate([steps, last[0]], axis), np.concatenate([jumps, last[1]], axis)
-    behind = np.concatenate([first[0], steps], axis), np.concatenate([first[1], jumps], axis)
-    return np.where((behind[1] < ahead[1])[..., None], behind[0], ahead[0])
+def _slope(
+    depth_m: NDArray[np.float32], at: tuple[NDArray[np.intp], NDArray[np.intp]], *, axis: int
+) -> tuple[Array32, Array32]:
+    """By how much the depth grows from pixel to pixel along an axis, (N,), and the depth of that neighbour."""
+    here, last = depth_m[at], depth_m.shape[axis] - 1
+    before, after = (
+        depth_m[tuple(np.clip(n + shift, 0, last) if k == axis else n for k, n in enumerate(at))] for shift in (-1, 1)
+    )
+    back, on = here - before, after - here
+    # what is beyond the picture's edge is no neighbour
+    takes_back = ((np.abs(back) < np.abs(on)) & (at[axis] > 0)) | (at[axis] == last)
+    return np.where(takes_back, back, on), np.where(takes_back, before, after)

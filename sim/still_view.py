@@ -13,7 +13,7 @@ from sim.lamplight import irradiance
 from sim.lights import ALBEDO, Light
 from sim.mirror import DARKER, is_wet
 from sim.mottle import mottle
-from sim.moving_lamps import MovingLamps, pool
+from sim.moving_lamps import LitGround, MovingLamps
 from sim.road_scene import KIND_CODES
 from sim.road_stage import RoadStage
 from sim.road_studio import RoadStudio
@@ -34,6 +34,14 @@ class StillView:
         texture = mottle(sight.kinds, sight.points_m, sight.pixel_m, studio.seed)
         self._texture = (texture * _darkened(sight.kinds, studio.weather))[..., None]
         self._lamplight: Array32 | None = None
+        self._lit_ground: LitGround | None = None
+
+    @property
+    def lit_ground(self) -> LitGround:
+        """The ground on which beams fall."""
+        if self._lit_ground is None:
+            self._lit_ground = LitGround(self.sight)
+        return self._lit_ground
 
     def air(self, light: Light) -> Air:
         """What lies before it all."""
@@ -110,12 +118,11 @@ class StillView:
         together = self._drawn(ALBEDO)[..., :3].astype(np.float32)
         self._stage.put(())
         still = free * self._drawn(ALBEDO)[..., :3]
-        points_m = sight.rays * depth_m[..., None] + self._camera.pose.position_m.astype(np.float32)
-        on_users = (together - still) * moving.on_users(points_m, depth_m, instances, self._camera)
+        on_users = (together - still) * moving.on_users(self._camera, depth_m, instances)
         shaded = self._under_lamps(moving.light)
         if on_ground:
             shaded = shaded * (1 - (contact_shade(sight.points_m, state) * sight.ground)[..., None])
-            shaded = shaded + (pool(sight, moving.beams) * sight.ground)[..., None] * moving.head_bgr
+            shaded = shaded + (self.lit_ground.under(moving.beams) * sight.ground)[..., None] * moving.head_bgr
         return np.maximum(on_users, 0.0) + still * self._texture * shaded + free * sight.shining
 
     def _drawn(self, light: Light) -> ImageArray:

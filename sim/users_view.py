@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from contracts import Camera, FloatArray, ImageArray
 from contracts.truth import Truth
-from sim.air import Air, Array32, rays_of
+from sim.air import Air, Array32, in_colour, rays_of
 from sim.lights import ALBEDO, Beam, Light
 from sim.moving_lamps import MovingLamps
 from sim.renderer import Window
@@ -35,7 +35,7 @@ class Users:
 
     def laid_on(self, ground: Array32) -> Array32:
         """Before a picture (h, w, 3)."""
-        return np.asarray(ground * (1 - self.opacity[..., None]) + self.levels)
+        return np.asarray(ground * in_colour(1 - self.opacity) + self.levels)
 
 
 class UsersView:
@@ -44,8 +44,7 @@ class UsersView:
     def __init__(self, camera: Camera, studio: RoadStudio, veil: VeilStage) -> None:
         self._camera, self._veil, self._weather = camera, veil, studio.weather
         self._hiding = hiding_parts(studio.scene)
-        self._rays = rays_of(camera)
-        self._stretch = np.linalg.norm(self._rays, axis=2)  # range over depth
+        self._stretch = np.linalg.norm(rays_of(camera), axis=2)  # range over depth
         self._reaches: dict[Light, list[Window | None]] = {}
 
     def reach(self, corners_m: FloatArray, beams: Sequence[Beam] = ()) -> Window | None:
@@ -74,8 +73,7 @@ class UsersView:
         for window, layer, albedo, (instances, depth_m) in zip(windows, layers, albedos, numbers, strict=True):
             levels, opacity = layer[..., :3].astype(np.float32), layer[..., 3].astype(np.float32) / np.float32(255.0)
             if light.lamplit:
-                points_m = self._rays[window] * depth_m[..., None] + self._camera.pose.position_m.astype(np.float32)
-                levels += albedo[..., :3] * moving.on_users(points_m, depth_m, instances, self._camera)
+                levels += albedo[..., :3] * moving.on_users(cropped(self._camera, window), depth_m, instances)
             if air.is_clear:
                 range_m = np.append(np.float32(0.0), ranges_m)[with_edges(instances)]
             else:

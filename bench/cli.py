@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from bench.jobs import Outcome
     from bench.scores import Score
+    from bench.tables.part import Part
 
 EXPECTATION_FAILED = 1
 WRONG_INPUT = 2
@@ -84,6 +85,7 @@ def run(
     locator: Annotated[str, typer.Option(help="ray, or plane0 for the naive projection to z = 0.")] = "ray",
     analyst: Annotated[str | None, typer.Option(help="Your own: my_pkg.mod:Mine.")] = None,
     oracle: Annotated[list[str] | None, typer.Option(help="Give a stage the truth: detect, calibrate, locate.")] = None,
+    calibrator: Annotated[str | None, typer.Option(help="Of the road: picks (by hand), or frames alone.")] = None,
     renderer: Annotated[str, typer.Option(help="layered, or full: slow, its oracle.")] = "layered",
     seed: Annotated[int | None, typer.Option(help="Instead of the scenario's own.")] = None,
     noise_seed: Annotated[int | None, typer.Option(help="Of the sensors alone; nothing else changes.")] = None,
@@ -110,6 +112,7 @@ def run(
         model=model or SHIPPED,
         locator=locator,
         analyst=analyst,
+        calibrator=calibrator,
         oracles=tuple(oracle or ()),
         renderer=renderer,
     )
@@ -241,16 +244,24 @@ def tables_rail(
     json: Annotated[bool, typer.Option("--json", help="Print the scores as JSON and nothing else.")] = False,
 ) -> None:
     """Remake the rail paper's tables and figures, each figure beside the paper's."""
-    from bench.scores import to_json
-    from bench.tables.page import print_parts
     from bench.tables.rail import evaluate, sequences, write_tables
 
     parts = write_tables(evaluate(sequences(scenarios or (), split), frames=frames, quiet=json), out)
-    if json:
-        print(to_json([score for part in parts for score in part.scores]))
-    else:
-        print_parts(parts)
-        print(out / "tables.html")
+    _show_tables(parts, out, json=json)
+
+
+@tables.command("road")
+def tables_road(
+    scenarios: Annotated[list[str] | None, typer.Argument(help="Names or TOML files.", metavar="SCENARIO...")] = None,
+    seeds: Annotated[int, typer.Option(help="Hang the cameras anew so many times.")] = 1,
+    out: Annotated[Path, typer.Option(help="Directory of the page and the scores.")] = Path("runs/tables-road"),
+    json: Annotated[bool, typer.Option("--json", help="Print the scores as JSON and nothing else.")] = False,
+) -> None:
+    """Remake the traffic paper's localisation table, and show what its protocol hides."""
+    from bench.tables.road import evaluate, roads, write_tables
+
+    chosen = roads(scenarios or ())
+    _show_tables(write_tables(evaluate(chosen, seeds=seeds, quiet=json), chosen, out), out, json=json)
 
 
 @app.command()
@@ -264,6 +275,18 @@ def plant(
 
     out.write_text(plant_svg(load_plant(name)), encoding="utf-8")
     print(out)
+
+
+def _show_tables(parts: "Sequence[Part]", out: Path, *, json: bool) -> None:
+    from bench.scores import to_json
+    from bench.tables.page import print_parts
+    from bench.tables.written import PAGE_NAME
+
+    if json:
+        print(to_json([score for part in parts for score in part.scores]))
+    else:
+        print_parts(parts)
+        print(out / PAGE_NAME)
 
 
 def _all_scores(outcomes: "Sequence[Outcome]") -> "list[Score]":

@@ -6,7 +6,7 @@ import shutil
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -18,6 +18,7 @@ from bench.expectations import check
 from bench.footage import Footage
 from bench.recording import Manifest, Recording
 from bench.recording_file import RECORDING_NAME, Recorder, load_recording
+from bench.road_calibration import CALIBRATORS, PICKS, calibrated_from_map
 from bench.run import Chain, run
 from bench.scores import Score, write_scores
 from bench.scoring import score
@@ -27,7 +28,7 @@ from contracts.truth import Step, World
 from georef.calibrated import CalibratedCamera
 from georef.camera_file import read_camera
 from scenarios.loader import list_scenarios, load_scenario
-from scenarios.schema import Scenario
+from scenarios.schema import RoadScenario, Scenario
 from scenarios.worlds import build_world, geo_of
 
 SCORES_NAME = "scores.json"
@@ -65,7 +66,7 @@ def run_scenario(
 
     seed: instead of the scenario's own. noise_seed: of the sensors alone; nothing else changes with it.
     """
-    _check_stages(scenario, stages)
+    stages = _checked_stages(scenario, stages)
     workers = os.cpu_count() or 1
     world = build_world(
         scenario,
@@ -77,9 +78,16 @@ def run_scenario(
     )
     make_perception(stages, world.survey.cameras)  # first: a wrong plug-in costs no film
     steps = world.steps()
-    lenses = board_lenses(world, stages) if stages.needs_film else {}  # meanwhile other processes prepare the film
+    by_map = isinstance(scenario, RoadScenario) and "calibrate" not in stages.oracles
+    by_board = stages.needs_film and not by_map
+    lenses = board_lenses(world, stages) if by_board else {}  # meanwhile other processes prepare the film
     first = next(steps)
-    calibrated = calibrated_cameras(world, lenses, first.frames) if stages.needs_film else ()
+    calibrated: tuple[CalibratedCamera, ...] = ()
+    if by_board:
+        calibrated = calibrated_cameras(world, lenses, first.frames)
+    elif stages.needs_film and isinstance(scenario, RoadScenario):
+        seeded = scenario if seed is None else replace(scenario, seed=seed)
+        calibrated = calibrated_from_map(seeded, world, first.frames, stages.calibrator or PICKS)
     manifest = manifest_of(scenario, world, stages, calibrated, seed=seed)
     shown = _with_progress(itertools.chain([first], steps), scenario.name, total=len(world), quiet=quiet)
     cameras = [each.camera for each in calibrated]
@@ -89,14 +97,21 @@ def run_scenario(
     return rescore(directory, scenario)
 
 
-def _check_stages(scenario: Scenario, stages: Stages) -> None:
-    """What the bench has no stage of its own for must be named; InputError else."""
-    if scenario.world != "road" or not stages.needs_film:
-        return
+def _checked_stages(scenario: Scenario, stages: Stages) -> Stages:
+    """The stages with the world's own defaults. What the bench has none of must be named; InputError else."""
+    if not isinstance(scenario, RoadScenario):
+        if stages.calibrator:
+            raise InputError(f"--calibrator {stages.calibrator} is for the road: the rail has board and marks")
+        return stages
+    if not stages.needs_film:
+        return stages
     if not (stages.detector or stages.perceiver or "detect" in stages.oracles):
         raise InputError("the road has no detector of its own: name yours with --detector, or give --oracle detect")
-    if "calibrate" not in stages.oracles:
-        raise InputError("cameras of the road are not calibrated in the run: give --oracle calibrate")
+    chosen = replace(stages, calibrator=stages.calibrator or PICKS)
+    if chosen.calibrator not in CALIBRATORS:
+        choices = ", ".join(CALIBRATORS)
+        raise InputError(f"--calibrator {chosen.calibrator}: no such calibrator, choose from {choices}")
+    return chosen
 
 
 def manifest_of(

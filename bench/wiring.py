@@ -65,6 +65,7 @@ class Stages:
     model: file of colour models for the bench's own detector.
     locator: ``ray`` meets the plane at the anchor's height; ``plane0`` is the naive projection to z = 0.
     analyst: tells direction and speed.
+    calibrator: of the road's cameras: ``picks`` made by hand, or ``frames`` alone (``bench.road_calibration``).
     oracles: stages that are given the truth.
     renderer: how a simulated world draws its frames: ``layered``, or ``full``, its slow oracle.
     """
@@ -75,6 +76,7 @@ class Stages:
     model: Path = SHIPPED
     locator: str = "ray"
     analyst: str | None = None
+    calibrator: str | None = None
     oracles: tuple[str, ...] = ()
     renderer: str = RendererName.LAYERED
 
@@ -96,7 +98,8 @@ class Stages:
         """The implementation of every stage, for the manifest."""
         if not self.needs_film:
             return {"locator": "oracle", "analyst": self.analyst or "window"}
-        calibrator = "oracle" if "calibrate" in self.oracles else "checkerboard and control points"
+        own = f"map, {self.calibrator}" if self.calibrator else "checkerboard and control points"
+        calibrator = "oracle" if "calibrate" in self.oracles else own
         places = {"calibrator": calibrator, "locator": self.locator, "fuser": "covariance"}
         return {**self._eyes(), **places, "analyst": self.analyst or "window"}
 

@@ -24,6 +24,8 @@ class Beliefs:
     principal_point_share: how far the principal point may lie from the image's centre, as a share of the width.
     k1, k2: how strong the lens may be; surveillance lenses lie within -0.4 .. 0.1.
     height_m, height_sigma_m: of the optical centre above the map's z = 0.
+    position_m, position_sigma_m: of the optical centre, where the pole has been surveyed; per axis.
+    focal_px, focal_share: the data sheet's focal length, and its error as a share of it; for the whole camera only.
     """
 
     principal_point_share: float = 0.02
@@ -31,9 +33,14 @@ class Beliefs:
     k2: float = 0.2
     height_m: float | None = None
     height_sigma_m: float = 0.5
+    position_m: tuple[float, float, float] | None = None
+    position_sigma_m: float = 0.1
+    focal_px: float | None = None
+    focal_share: float = 0.01
 
     def __post_init__(self) -> None:
-        sigmas = (self.principal_point_share, self.k1, self.k2, self.height_sigma_m)
+        lens = (self.principal_point_share, self.k1, self.k2, self.focal_share)
+        sigmas = (*lens, self.height_sigma_m, self.position_sigma_m)
         if not (np.isfinite(sigmas).all() and min(sigmas) > 0):
             raise InputError(f"Beliefs: the standard deviations {sigmas} must be positive")
 
@@ -93,14 +100,18 @@ class FullState:
         return FullState(moved_camera(self.camera, _FULL @ step))
 
     def beliefs(self, beliefs: Beliefs) -> tuple[FloatArray, FloatArray]:
-        """Principal point, lens and height."""
+        """Principal point, lens, focal length and place."""
         k = self.camera.intrinsics
         offset = np.array([k.cx_px, k.cy_px]) - centre_px(k.width_px, k.height_px)
         sigmas = np.array([*2 * [beliefs.principal_point_share * k.width_px], beliefs.k1, beliefs.k2])
         residuals = np.concatenate([offset, k.distortion[:2]]) / sigmas
         rows = np.zeros((4, 11))
         rows[np.arange(4), np.arange(1, 5)] = 1 / sigmas
-        return _with_height(residuals, rows, self.camera, beliefs)
+        if beliefs.focal_px is not None:
+            sigma_px = beliefs.focal_share * beliefs.focal_px
+            residuals = np.append(residuals, (k.fx_px - beliefs.focal_px) / sigma_px)
+            rows = np.concatenate([rows, np.eye(11)[:1] / sigma_px])
+        return _with_place(residuals, rows, self.camera, beliefs)
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,8 +163,8 @@ class PanTiltState:
         return PanTiltState(self.name, self.width_px, self.height_px, focal, pan, tilt, self.position_m + step[3:])
 
     def beliefs(self, beliefs: Beliefs) -> tuple[FloatArray, FloatArray]:
-        """Height alone."""
-        return _with_height(np.empty(0), np.empty((0, 6)), self.camera, beliefs)
+        """Place alone."""
+        return _with_place(np.empty(0), np.empty((0, 6)), self.camera, beliefs)
 
 
 def _pan_tilt(pan_rad: float, tilt_rad: float) -> FloatArray:
@@ -162,16 +173,18 @@ def _pan_tilt(pan_rad: float, tilt_rad: float) -> FloatArray:
     return np.array([[cp, -sp * ct, sp * st], [sp, cp * ct, -cp * st], [0.0, st, ct]])
 
 
-def _with_height(
+def _with_place(
     residuals: FloatArray, rows: FloatArray, camera: Camera, beliefs: Beliefs
 ) -> tuple[FloatArray, FloatArray]:
-    """With the belief in the camera's height, whose parameter is the last, if there is one."""
-    if beliefs.height_m is None:
-        return residuals, rows
-    row = np.zeros((1, rows.shape[1]))
-    row[0, -1] = 1 / beliefs.height_sigma_m
-    residual = (camera.pose.position_m[2] - beliefs.height_m) / beliefs.height_sigma_m
-    return np.append(residuals, residual), np.concatenate([rows, row])
+    """With the beliefs in the camera's height and place, whose parameters are the last three, if there are any."""
+    by_place, here = np.eye(rows.shape[1])[-3:], camera.pose.position_m
+    if beliefs.height_m is not None:
+        residuals = np.append(residuals, (here[2] - beliefs.height_m) / beliefs.height_sigma_m)
+        rows = np.concatenate([rows, by_place[2:] / beliefs.height_sigma_m])
+    if beliefs.position_m is not None:
+        residuals = np.append(residuals, (here - beliefs.position_m) / beliefs.position_sigma_m)
+        rows = np.concatenate([rows, by_place / beliefs.position_sigma_m])
+    return residuals, rows
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,6 +13,7 @@ from enum import StrEnum
 
 import numpy as np
 import shapely
+from numpy.typing import ArrayLike
 
 from contracts import FloatArray, InputError
 from contracts.arrays import freeze
@@ -130,6 +131,13 @@ class Line:
         """Length on the ground plane, as a map measures it."""
         return float(np.linalg.norm(np.diff(self.points_m[:, :2], axis=0), axis=1).sum())
 
+    def places_m(self, along_m: ArrayLike) -> FloatArray:
+        """Points (K, 3) at lengths (K,) from the start; beyond the ends, the ends."""
+        asked = np.asarray(along_m, np.float64)
+        sides = np.linalg.norm(np.diff(self.points_m[:, :2], axis=0), axis=1)
+        reached = np.concatenate([[0.0], np.cumsum(sides)])
+        return np.column_stack([np.interp(asked, reached, self.points_m[:, axis]) for axis in range(3)])
+
 
 @dataclass(frozen=True, eq=False)
 class Point:
@@ -159,13 +167,24 @@ class Area:
 
 @dataclass(frozen=True, eq=False)
 class LaneMarking(Line):
-    """A: paint along the lanes. width_m: of the stroke; dash_m, gap_m: 0 for a solid line."""
+    """A: paint along the lanes.
+
+    width_m: of the stroke. dash_m, gap_m: 0 for a solid line; the first dash begins where the line does.
+    """
 
     kind: MarkingKind
     colour: Colour = Colour.WHITE
     width_m: float = 0.15
     dash_m: float = 0.0
     gap_m: float = 0.0
+
+    @property
+    def dashes_m(self) -> FloatArray:
+        """Where each dash begins and ends along the line, (K, 2) metres; none of a solid line."""
+        if not self.dash_m:
+            return np.empty((0, 2))
+        begins = np.arange(0.0, self.length_m - self.dash_m / 2, self.dash_m + self.gap_m)
+        return np.column_stack([begins, np.minimum(begins + self.dash_m, self.length_m)])
 
 
 @dataclass(frozen=True, eq=False)

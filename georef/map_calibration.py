@@ -20,6 +20,7 @@ from georef.mixture import Fit, Model, Noise, State, best_fit
 from georef.pick_checks import check_enough, check_spread
 from georef.picks import LinePicks, PointPicks
 
+LEAST_NEAR = 40
 LEAST_POINTS = {"full": 8, "pan-tilt": 6, "homography": 6}
 _LARGEST_WRONG_SHARE = 0.4
 _LARGEST_NOISE_SHARE = 0.01  # of the image's width
@@ -84,6 +85,32 @@ def calibrate_camera(
     """
     model = CameraModel(points, lines or LinePicks.none(), beliefs or Beliefs())
     return _calibrate("full", FullState.near, name, size_px, model=model, noise=noise or Noise(), rng=rng)
+
+
+def calibrate_near(
+    start: Camera,
+    points: PointPicks,
+    lines: LinePicks,
+    *,
+    start_noise_px: float,
+    noise: Noise | None = None,
+    beliefs: Beliefs | None = None,
+) -> CameraFromMap:
+    """The whole camera from picks that a program matched with the help of a first guess; points may lack altogether.
+
+    start_noise_px: how far the picks may lie from their images in ``start``.
+    Raises CalibrationError, with the reason, for picks that do not determine it.
+    """
+    name, size = start.name, start.intrinsics
+    check_enough(name, len(points) + len(lines), LEAST_NEAR, "points and pixels on lines")
+    model = CameraModel(points, lines, beliefs or Beliefs())
+    extent_px = float(np.hypot(size.width_px, size.height_px))
+    begin = [(FullState(start), start_noise_px)]
+    try:
+        found = best_fit(model, begin, noise or Noise(), extent_px=extent_px)
+    except CalibrationError as error:
+        raise CalibrationError(f'camera "{name}": the picks do not fit one camera: {error}') from error
+    return _from_fit(found, len(lines))
 
 
 def calibrate_pan_tilt(
@@ -155,14 +182,16 @@ def _calibrate(
     if camera.pose.position_m[2] <= 0:
         raise CalibrationError(f'camera "{name}": the picks put it below the ground: check the points\' heights')
     _check_fit(name, points, width_px, height_px, found)
+    return _from_fit(found, len(lines))
+
+
+def _from_fit(found: Fit[CameraState], lines: int) -> CameraFromMap:
+    """lines: number of pixels picked on lines."""
     by_free = found.state.by_free
     covariance = by_free @ found.covariance @ by_free.T
-    if len(lines):
-        line_good, line_residuals = found.good[1], found.residuals[1][:, 0]
-    else:
-        line_good, line_residuals = np.empty(0), np.empty(0)
+    line_good, line_residuals = (found.good[1], found.residuals[1][:, 0]) if lines else (np.empty(0), np.empty(0))
     return CameraFromMap(
-        CalibratedCamera(camera, 0.5 * (covariance + covariance.T)),
+        CalibratedCamera(found.state.camera, 0.5 * (covariance + covariance.T)),
         PickVerdict(found.good[0], found.residuals[0], line_good, line_residuals, found.noise_px),
     )
 

@@ -36,7 +36,7 @@ class Linear:
         return float(self.residuals @ self.residuals)
 
 
-_MAX_STEPS = 60
+_MAX_STEPS = 200  # lines that run one way leave a long valley
 _MAX_DAMPING = 1e12
 
 

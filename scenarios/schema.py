@@ -185,6 +185,7 @@ class RoadScenario(Scenario):
     density: of the network's own traffic: 0 none, 1 as the network's file says.
     weather: ``dry``, ``wet``, ``rain`` or ``fog`` (``sim.air``).
     sensor: of all cameras, instead of the rig's: a night asks for a long exposure and much gain (``sim.sensor``).
+    map_sigma_m: how far features of the owners' map lie from the road's own, standard deviation per axis.
     vehicle, walker: who does what the author says, beside that traffic.
     """
 
@@ -193,6 +194,7 @@ class RoadScenario(Scenario):
     density: float = 1.0
     weather: Weather = Weather.DRY
     sensor: SensorSpec | None = None
+    map_sigma_m: Annotated[float, Meta(ge=0)] = 0.0
     vehicle: tuple[DriverSpec, ...] = ()
     walker: tuple[WalkerSpec, ...] = ()
     event: tuple[RoadEvent, ...] = ()

@@ -1,6 +1,7 @@
 """From a scenario to the world that it describes."""
 
 from contracts.truth import World
+from georef.hd_map import HdMap
 from scenarios.check import plant_of
 from scenarios.network_file import load_network, routes_of
 from scenarios.rig_file import load_rig
@@ -9,6 +10,7 @@ from sim.light_program import LightProgram
 from sim.rail_motion import RailMotion
 from sim.rail_world import RailWorld
 from sim.renderer import RendererName
+from sim.road_map import map_of_network
 from sim.road_world import RoadWorld
 from sim.traffic import TrafficMotion
 
@@ -63,6 +65,13 @@ def build_world(
         surroundings=scenario.surroundings,
         sensor=scenario.sensor,
     )
+
+
+def maps_of(scenario: RoadScenario) -> tuple[HdMap, HdMap]:
+    """The map of the scenario's road as it is, and as its surveyor drew it, which is what owners of cameras have."""
+    network = load_network(scenario.network)
+    drawn = map_of_network(network, survey_sigma_m=scenario.map_sigma_m, seed=scenario.seed)
+    return map_of_network(network), drawn
 
 
 def geo_of(scenario: Scenario) -> str | None:

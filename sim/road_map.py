@@ -46,6 +46,7 @@ from sim.streams import stream
 DASH_M, GAP_M = 3.0, 5.0  # lane lines in Korean cities
 ARROW_BEFORE_END_M = 12.0
 LAMP_EVERY_M, LAMP_BESIDE_M, LAMP_BEFORE_END_M = 30.0, 1.0, 4.0  # the first lights the junction
+STOP_BEFORE_END_M = 0.8  # clear of the crosswalk, which begins where the lanes end
 SIGNAL_HEIGHT_M, SIGN_HEIGHT_M = 5.0, 2.5
 _ARROWS = {"s": MarkKind.STRAIGHT, "l": MarkKind.LEFT, "r": MarkKind.RIGHT}
 _ARROWS |= {"ls": MarkKind.STRAIGHT_LEFT, "rs": MarkKind.STRAIGHT_RIGHT, "lrs": MarkKind.ALL}
@@ -152,7 +153,10 @@ def _stop_lines(network: RoadNetwork) -> Iterator[StopLine]:
     for road in network.roads:
         if kind := _waits(network, road):
             lanes = _driven(road)
-            ends = (at_end(lanes[0].shape_m, -lanes[0].width_m / 2), at_end(lanes[-1].shape_m, lanes[-1].width_m / 2))
+            right, left = (
+                offset_line(lane.shape_m, side * lane.width_m / 2) for lane, side in ((lanes[0], -1), (lanes[-1], 1))
+            )
+            ends = [point_before_end(side, STOP_BEFORE_END_M)[0] for side in (right, left)]
             yield StopLine(f"stop/{road.id}", np.array(ends), kind)
 
 

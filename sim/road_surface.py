@@ -53,18 +53,16 @@ def surface_parts(
 def painted(road_map: HdMap, colour: Colour) -> Iterator[shapely.Polygon]:
     """Every stroke of paint of one colour, on the ground plane; they may overlap."""
     for line in road_map.lane_markings:
+        pieces = [cut(line.points_m, *dash) for dash in line.dashes_m.tolist()] if line.dash_m else [line.points_m]
         if line.colour is colour:
-            yield from (
-                _dashes(line, line.dash_m, line.gap_m, line.width_m)
-                if line.dash_m
-                else [stroke(line.points_m, line.width_m)]
-            )
+            yield from (stroke(piece, line.width_m) for piece in pieces)
     if colour is not Colour.WHITE:
         return
     for stop in road_map.stop_lines:
         yield stroke(stop.points_m, stop.width_m)
     for guide in road_map.guide_lines:
-        yield from _dashes(guide, _GUIDE_DASH_M, _GUIDE_DASH_M, _GUIDE_WIDTH_M)
+        for begin_m in np.arange(0.0, guide.length_m - _GUIDE_DASH_M, 2 * _GUIDE_DASH_M).tolist():
+            yield stroke(cut(guide.points_m, begin_m, begin_m + _GUIDE_DASH_M), _GUIDE_WIDTH_M)
     for mark in road_map.road_marks:
         yield from _arrow(mark)
     for area in road_map.painted_areas:
@@ -82,7 +80,8 @@ def road_area(network: RoadNetwork) -> BaseGeometry:
 
 def pavement_area(network: RoadNetwork) -> BaseGeometry:
     """Where people walk, the carriageway included where a crosswalk leads over it."""
-    corners = [e.lanes[0].shape_m[:, :2] for e in network.edges.values() if e.function == "walkingarea"]
+    outlines = [edge.lanes[0].shape_m[:, :2] for edge in network.edges.values() if edge.function == "walkingarea"]
+    corners = [outline for outline in outlines if len(outline) >= 3]  # others lead from one pavement into its own
     walks = [
         _lane_area(lane, 0.2)
         for edge in network.edges.values()
@@ -135,11 +134,6 @@ def stroke(line_m: FloatArray, width_m: float) -> shapely.Polygon:
     """A stroke of paint along ``line_m`` (N, 3)."""
     left, right = offset_line(line_m, width_m / 2), offset_line(line_m, -width_m / 2)
     return shapely.Polygon(np.vstack([right, left[::-1]])[:, :2])
-
-
-def _dashes(line: Line, dash_m: float, gap_m: float, width_m: float) -> Iterator[shapely.Polygon]:
-    for begin_m in np.arange(0.0, line.length_m - dash_m / 2, dash_m + gap_m):
-        yield stroke(cut(line.points_m, begin_m, min(begin_m + dash_m, line.length_m)), width_m)
 
 
 def cut(line_m: FloatArray, begin_m: float, end_m: float) -> FloatArray:

@@ -11,27 +11,24 @@ from rich.progress import track
 
 from bench.plugins import require_methods
 from bench.recording import Manifest
-from bench.report.document import write_whole
-from bench.scores import write_scores
 from bench.tables.figure15 import figure15
 from bench.tables.figure19 import figure19
 from bench.tables.figure21 import figure21
 from bench.tables.films import Film, Watched, film, watch
 from bench.tables.outlines import OutlineDetector, Outlines, outlines
 from bench.tables.owners import owners
-from bench.tables.page import tables_page
 from bench.tables.part import Part
 from bench.tables.precision import precision
 from bench.tables.region import region
 from bench.tables.table1 import table1
 from bench.tables.table3 import table3
+from bench.tables.written import write_parts
 from bench.wiring import TABLE_DETECTORS, TABLE_REGIONS, TABLE_TRACKERS, Stages
 from contracts import FloatArray, InputError
 from scenarios.loader import list_scenarios, load_scenario
 from scenarios.schema import Scenario
 
 TITLE = "Paper R's tables, remade"
-PAGE_NAME = "tables.html"
 DETECTORS_EVERY = 5  # steps: detectors have no memory, and some of them are slow
 LEAST_STEPS = 20  # that detectors are shown, if the film has so many
 
@@ -130,14 +127,7 @@ def evaluate(scenarios: Sequence[Scenario], *, frames: int | None = None, quiet:
 
 def write_tables(evaluation: Evaluation, directory: Path) -> list[Part]:
     """Write ``tables.html`` and ``scores.json`` into ``directory``. Raises InputError if that cannot be done."""
-    parts = evaluation.parts()
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"cannot write the tables into {directory}: {error.strerror}") from error
-    write_whole(directory / PAGE_NAME, tables_page(TITLE, facts(evaluation), parts))
-    write_scores(directory / "scores.json", [score for part in parts for score in part.scores])
-    return parts
+    return write_parts(TITLE, facts(evaluation), evaluation.parts(), directory)
 
 
 def facts(evaluation: Evaluation) -> Sequence[str]:

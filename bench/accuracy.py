@@ -46,7 +46,7 @@ def main() -> None:
 
 
 def _has_film(name: str) -> bool:
-    """Training films are for learning, and a road cannot be filmed yet."""
+    """Training films are for learning; the road has no detector of its own, `gantry tables road` measures it."""
     return not name.startswith(TRAINING_PREFIX) and isinstance(load_scenario(name), RailScenario)
 
 

@@ -31,7 +31,8 @@ class Weather(StrEnum):
     FOG = "fog"
 
 
-_CLOSED, _THROUGH_CLOUDS = frozenset((Weather.RAIN, Weather.FOG)), 0.6
+_CLOSED = frozenset((Weather.RAIN, Weather.FOG))
+_FROM_ABOVE, _FROM_AROUND = 0.45, 0.20  # shares of a beam that come through clouds and fog, and whence
 VISIBILITY_M = {Weather.DRY: 4000.0, Weather.WET: 2500.0, Weather.RAIN: 700.0, Weather.FOG: 140.0}
 """Meteorological range: how far one sees."""
 
@@ -41,8 +42,8 @@ def diffused(light: Light, weather: Weather) -> Light:
     if weather not in _CLOSED or not light.beams:
         return light
     brought = sum(np.array(beam.rgb) * np.sin(beam.elevation_rad) for beam in light.beams)
-    red, green, blue = (np.array(light.sky) + _THROUGH_CLOUDS * brought).tolist()
-    return replace(light.without_beams(), sky=(red, green, blue))
+    sky, ambient = np.array(light.sky) + _FROM_ABOVE * brought, np.array(light.ambient) + _FROM_AROUND * brought
+    return replace(light.without_beams(), sky=tuple(sky.tolist()), ambient=tuple(ambient.tolist()))
 
 
 @dataclass(frozen=True)

@@ -18,14 +18,15 @@ from sim.headlamps import Lamps
 from sim.outlines import NEAR_M, seen_px
 from sim.renderer import Window
 
-_HEAD_BGR, _TAIL_BGR = (900.0, 960.0, 1020.0), (26.0, 22.0, 360.0)
-_LARGEST_M = 0.09  # radius of what shines in the housing of a lamp
+_HEAD_BGR, _TAIL_BGR = (1750.0, 1880.0, 2000.0), (80.0, 70.0, 1100.0)
 _STREET_BGR = (560.0, 860.0, 1080.0)
 _STREET_RADIUS_M = 0.28
 _BEHIND_M = 0.7  # by which the surface of a luminaire may be before its middle
-_SHARPEST_PX = 0.7  # no spot is smaller: standard deviation
+_SHARPEST_PX = (
+    0.7  # no spot is smaller (standard deviation): what is dims, but less than its area, as lamps are far beyond white
+)
 _HALO, _HALO_PX = 0.045, 0.0042  # share of the spot's level; length over which it falls, of the focal length
-_MIST, _MIST_PX = 0.16, 0.034  # the same of what fog adds, where all light is scattered once
+_MIST, _MIST_PX = 0.10, 0.034  # the same of what fog adds, where all light is scattered once
 _ENDS = 4.0  # halos are cut at so many lengths
 _LOOKS_RAD = 0.15  # sine of the angle from behind which a lamp cannot be seen
 
@@ -58,7 +59,7 @@ def vehicle_spots(camera: Camera, state: Truth, wardrobe: Wardrobe, instances: I
         free = _share(instances == lamps.rows[k] + 1, at)
         if looks > _LOOKS_RAD and free:
             level = np.array(_TAIL_BGR if lamps.red[k] else _HEAD_BGR) * free * (0.2 + 0.8 * looks**2)
-            yield from _spot(camera, at, level, min(_LARGEST_M, float(lamps.radii_m[k])), air)
+            yield from _spot(camera, at, level, float(lamps.radii_m[k]), air)
 
 
 def added(spots: list[Spot], shape: tuple[int, ...]) -> Array32:
@@ -115,7 +116,7 @@ def _spot(camera: Camera, at: _Place, bgr: FloatArray, radius_m: float, air: Air
     profile = np.exp(-0.5 * (away / sigma) ** 2) + _faded(away, halo, _HALO)
     if mist:
         profile += _faded(away, _MIST_PX * focal, mist)
-    yield Spot((rows, columns), (profile[..., None] * (through * (size / sigma) ** 2 * bgr)).astype(np.float32))
+    yield Spot((rows, columns), (profile[..., None] * (through * size / sigma * bgr)).astype(np.float32))
 
 
 def _faded(away_px: FloatArray, length_px: float, level: float) -> FloatArray:

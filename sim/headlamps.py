@@ -20,7 +20,9 @@ from sim.camera_truth import footprint_corners
 _INTENSITY_M2 = 2100.0  # in the middle of the beam, relative to the light of streetlamps
 _ACROSS, _BELOW, _ABOVE = 0.25, 0.035, 0.008  # slopes by which it falls to the sides, below and above its middle
 _DIPPED = 0.030
-_HIGHEST_M = 1.5  # higher lamps light a destination board, not the road
+_HIGHEST_M = 1.5  # what is higher is a destination board and lights no road
+_BAND_M, _BAND_END_M = 0.30, 0.14  # half width of a band of glass that has a lamp at either end, so far from there
+_RADIUS_M = 0.10  # of what shines within the glass
 _NEAREST_M, _REACH_M = 0.3, 45.0
 _WIDE = 1.0  # slope beyond which there is no light
 _BINS = 64
@@ -48,12 +50,16 @@ class Lamps:
             cos, sin = np.cos(state.headings_rad[row]), np.sin(state.headings_rad[row])
             world_from_unit = affine(state, row)
             for material, centre, reach in _lamps_of(wardrobe.appearance(state.kinds[row], state.ids[row]).design):
-                back = material is Material.TAIL_LAMP
-                places.append(world_from_unit @ centre + state.positions_m[row])
-                facing.append((-cos, -sin, 0.0) if back else (cos, sin, 0.0))
-                red.append(float(back))
-                rows.append(row)
-                radii.append(float((reach * state.sizes_m[row])[1:].mean()))
+                back, size_m = material is Material.TAIL_LAMP, state.sizes_m[row]
+                if centre[2] * size_m[2] > _HIGHEST_M:
+                    continue
+                for aside_m in _asides_m(float(reach[1] * size_m[1])):
+                    shift = (0.0, aside_m / size_m[1], 0.0)
+                    places.append(world_from_unit @ (centre + shift) + state.positions_m[row])
+                    facing.append((-cos, -sin, 0.0) if back else (cos, sin, 0.0))
+                    red.append(float(back))
+                    rows.append(row)
+                    radii.append(_RADIUS_M)
         return Lamps(
             np.array(places).reshape(-1, 3),
             np.array(facing).reshape(-1, 3),
@@ -121,9 +127,7 @@ def beams_of(state: Truth, lamps: Lamps) -> Iterator[Beam]:
     """The beams of all vehicles that have headlamps."""
     corners_m = footprint_corners(state)[..., :2]
     for row in range(len(state.ids)):
-        mine = (
-            (lamps.rows == row) & (lamps.red == 0) & (lamps.positions_m[:, 2] - state.positions_m[row, 2] < _HIGHEST_M)
-        )
+        mine = (lamps.rows == row) & (lamps.red == 0)
         if mine.any():
             position = lamps.positions_m[mine].mean(axis=0)
             heading = float(state.headings_rad[row])
@@ -144,6 +148,11 @@ def _blocked(position_m: FloatArray, heading_rad: float, corners_m: FloatArray) 
         for reach in (away[..., 0].min(axis=1), away[..., 0].max(axis=1))
     )
     return begins, ends
+
+
+def _asides_m(half_width_m: float) -> tuple[float, ...]:
+    """Where along a glass there are lamps: one in its middle, or one at either end of a band across the vehicle."""
+    return (0.0,) if half_width_m < _BAND_M else (_BAND_END_M - half_width_m, half_width_m - _BAND_END_M)
 
 
 @cache

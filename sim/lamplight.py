@@ -12,7 +12,7 @@ from sim.roadside import LAMP_HEIGHT_M
 
 _SHIELDED = 0.25  # cosine from the nadir at which the screen of a luminaire begins to cut its light
 _FILL = 0.10  # share of a lamp's light that comes from all sides, off road and walls, to what stands upright
-_NEAREST_M = 2.0  # a luminaire is no point to what is nearer
+_NEAREST_M = 4.0  # a luminaire is no point to what is nearer
 _FAINT = 5e-3  # less than this is not looked at
 
 

@@ -136,11 +136,11 @@ def _lamps(_time_s: float) -> Light:
 
 
 def _dusk(_time_s: float) -> Light:
-    return Light((), sky=(0.17, 0.19, 0.25), ambient=(0.13, 0.14, 0.18), lamps=(0.46, 0.36, 0.22))
+    return Light((), sky=(0.17, 0.19, 0.25), ambient=(0.13, 0.14, 0.18), lamps=(0.46, 0.39, 0.27))
 
 
 def _night(_time_s: float) -> Light:
-    return Light((), sky=(0.008, 0.009, 0.014), ambient=(0.012, 0.012, 0.016), lamps=(1.60, 1.30, 0.84))
+    return Light((), sky=(0.008, 0.009, 0.014), ambient=(0.012, 0.012, 0.016), lamps=(1.50, 1.28, 0.90))
 
 
 def _moving_shadow(time_s: float) -> Light:

@@ -18,7 +18,7 @@ from bench.scores import Score, table, to_json
 from benchmarks.film_states import SEED, SIZES, random_state, random_switches, setting
 from contracts.truth import Truth
 from sim.crew import FilmSpec, film
-from sim.lights import LightPreset
+from sim.lights import RAIL_LIGHTS, LightPreset
 from sim.renderer import RendererName
 from sim.studio import PlantStudio
 
@@ -81,20 +81,20 @@ def endure(frames: int) -> list[Score]:
 
     Growth: of the peak of the resident memory, from the end of the first round of all lights to the end of the last.
     """
-    per_film = frames // (2 * ROUNDS * len(LightPreset))
+    per_film = frames // (2 * ROUNDS * len(RAIL_LIGHTS))
     peaks_mb = []
     for turn in range(ROUNDS):
-        for light in LightPreset:
+        for light in RAIL_LIGHTS:
             drawn = (random_state(np.random.default_rng((turn, k)), 3, index=k) for k in range(per_film))
             for _ in film(spec("720p", RendererName.LAYERED, light), drawn, workers=1):
                 pass
         peaks_mb.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
     gc.collect()
     contexts = sum(isinstance(each, mujoco.GLContext | mujoco.MjrContext) for each in gc.get_objects())
-    filmed = 2 * per_film * ROUNDS * len(LightPreset)
+    filmed = 2 * per_film * ROUNDS * len(RAIL_LIGHTS)
     return [
         Score("film.memory_growth", peaks_mb[-1] - peaks_mb[0], "MB", filmed, True),
-        Score("film.contexts_left", contexts, "count", ROUNDS * len(LightPreset), True),
+        Score("film.contexts_left", contexts, "count", ROUNDS * len(RAIL_LIGHTS), True),
     ]
 
 

@@ -30,7 +30,7 @@ from sim.film import CameraFilm
 from sim.full_renderer import FullRenderer
 from sim.layered_renderer import LayeredRenderer
 from sim.lens import Lens, pinhole_camera
-from sim.lights import LightPreset
+from sim.lights import RAIL_LIGHTS, LightPreset
 from sim.outlines import window_around
 from sim.renderer import Rendered, Renderer
 
@@ -105,7 +105,7 @@ def compare(count: int) -> tuple[list[Difference], list[Shift]]:
     """``count`` states, dealt out to sizes and lights in turn; each is filmed by every camera of its rig."""
     differences: list[Difference] = []
     shifts: list[Shift] = []
-    kinds = [(size, light) for size in SIZES for light in LightPreset]
+    kinds = [(size, light) for size in SIZES for light in RAIL_LIGHTS]
     for first, (size, light) in enumerate(kinds):
         for difference, shift in compare_under(size, light, range(first, count, len(kinds))):
             differences.append(difference)

@@ -10,7 +10,7 @@ from road_film_cases import pole_camera, users
 from contracts import InputError
 from scenarios.check import faults
 from scenarios.loader import load_scenario
-from sim.air import VISIBILITY_M, Air, Weather, rays_of
+from sim.air import VISIBILITY_M, Air, Weather, diffused, rays_of
 from sim.body_shapes import Wardrobe
 from sim.contact import contact_shade, shade_corners
 from sim.headlamps import Lamps, beams_of
@@ -152,6 +152,30 @@ def test_headlamps_light_what_is_ahead_and_not_what_another_hides():
     assert hidden[0] == free[0]
     assert hidden[1] == 0.0
     assert [beam.row for beam in beams_of(queue, Lamps.of(queue, WARDROBE))] == [0, 1]
+
+
+def test_clouds_and_fog_take_the_beam_and_give_part_of_it_back():
+    sun = light_at(LightPreset.SUNNY, 0)
+    assert diffused(sun, Weather.WET) is sun
+    for weather in (Weather.RAIN, Weather.FOG):
+        dull = diffused(sun, weather)
+        assert not dull.beams
+        level, bright = np.array(dull.sky) + dull.ambient, np.array(sun.sky) + sun.ambient
+        assert (bright < level).all()
+        assert (level < bright + sun.beams[0].rgb).all()
+
+
+@pytest.mark.parametrize(("kind", "white", "red"), [("saloon", 2, 2), ("city_bus", 2, 2), ("motorcycle", 1, 1)])
+def test_lamps_are_within_the_box_and_as_many_as_there_should_be(kind, white, red):
+    state = users((kind, 5.0, -3.0, 70.0))
+    lamps = Lamps.of(state, WARDROBE)
+    assert (int((lamps.red == 0).sum()), int(lamps.red.sum())) == (white, red)
+    turn = np.array(
+        [(np.cos(np.radians(70)), -np.sin(np.radians(70))), (np.sin(np.radians(70)), np.cos(np.radians(70)))]
+    )
+    local = (lamps.positions_m[:, :2] - (5.0, -3.0)) @ turn
+    assert (np.abs(local) <= state.sizes_m[0, :2] / 2 + 1e-9).all()
+    assert ((local[:, 0] > 0) == (lamps.red == 0)).all()
 
 
 def test_people_have_no_lamps():

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from xml.sax.saxutils import quoteattr
 
-AXLE_SHARE = 0.8  # of the length, from the front end to the rear axle, about which a body turns
+SHY_M = 0.25  # of air that drivers keep on either side besides SUMO's own gap: they do not know their corners to a hand
 
 
 class RoadLabel(StrEnum):
@@ -26,6 +26,8 @@ class Kind:
 
     size_m: length, width, height; the riders of two-wheelers and whoever pushes a stroller are part of it.
     lane_class: SUMO's vehicle class, which decides the lanes that it may use.
+    front_axle, rear_axle: shares of the length from the front end; the first follows the lane, the body turns about the
+    second.
     """
 
     name: str
@@ -35,6 +37,8 @@ class Kind:
     top_speed_mps: float
     acceleration_mps2: float = 2.6
     braking_mps2: float = 4.5
+    front_axle: float = 0.2
+    rear_axle: float = 0.8
 
     @property
     def walks(self) -> bool:
@@ -50,7 +54,7 @@ _KINDS = (
     Kind("minivan", RoadLabel.VAN, (5.15, 1.99, 1.85), "passenger", 45.0, 2.2),
     Kind("light_truck", RoadLabel.TRUCK, (6.20, 2.10, 2.70), "truck", 30.0, 1.3, 4.0),
     Kind("lorry", RoadLabel.TRUCK, (8.50, 2.49, 3.40), "truck", 25.0, 1.1, 4.0),
-    Kind("city_bus", RoadLabel.BUS, (10.95, 2.49, 3.25), "bus", 25.0, 1.2, 4.0),
+    Kind("city_bus", RoadLabel.BUS, (10.95, 2.49, 3.25), "bus", 25.0, 1.2, 4.0, 0.25, 0.77),
     Kind("bicycle", RoadLabel.TWO_WHEELER, (1.75, 0.60, 1.75), "bicycle", 5.5, 1.2, 3.0),
     Kind("motorcycle", RoadLabel.TWO_WHEELER, (2.10, 0.80, 1.65), "motorcycle", 40.0, 3.5, 5.0),
     Kind("adult", RoadLabel.PEDESTRIAN, (0.40, 0.50, 1.72), "pedestrian", 1.4),
@@ -78,6 +82,9 @@ def _type_xml(id_: str, kind: Kind, more: dict[str, str]) -> str:
         "maxSpeed": kind.top_speed_mps,
     }
     if not kind.walks:
+        keys["width"] = width + 2 * SHY_M
         keys |= {"accel": kind.acceleration_mps2, "decel": kind.braking_mps2, "emergencyDecel": 8.0, "sigma": 0.3}
+        # across a lane at most 1.2 m/s and 0.15 of the speed along it: a body on wheels cannot move sideways
+        keys |= {"maxSpeedLat": 1.2, "lcMaxSpeedLatStanding": 0.0, "lcMaxSpeedLatFactor": 0.15}
     attributes = {key: str(value) for key, value in keys.items()} | more
     return f"<vType id={quoteattr(id_)} " + " ".join(f"{k}={quoteattr(v)}" for k, v in attributes.items()) + "/>"

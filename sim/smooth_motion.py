@@ -1,7 +1,7 @@
 """A smooth body drawn along behind SUMO's samples: bounded acceleration and yaw rate, whatever jumps SUMO makes.
 
-The guide, the middle of the front end, is the samples averaged with a Hann window; between two steps it is a cubic
-with matching velocities. The body follows it as a vehicle does whose rear axle cannot slip: with the axle L behind the
+The guide, the middle of the front axle, is the samples averaged with a Hann window; between two steps it is a cubic
+with matching velocities. The body follows it as a vehicle does whose rear axle cannot slip: with that axle L behind the
 guide and v the guide's velocity, d(heading)/dt = (v_y cos h - v_x sin h) / L (the tractrix; Rajamani 2012, ch. 2.2).
 """
 
@@ -59,7 +59,7 @@ class Pose:
 
 @dataclass(frozen=True)
 class Stretch:
-    """A body's motion over one step. ``axle_m``: rear axle behind the front end; ``length_m``: of the body."""
+    """A body's motion over one step. ``guide_m``: of the guide, the front axle, behind the front end."""
 
     begin: Node
     end: Node
@@ -67,25 +67,34 @@ class Stretch:
     end_heading_rad: float
     step_s: float
     length_m: float
-    axle_m: float
+    guide_m: float
+    wheelbase_m: float
 
     @classmethod
     def following(
-        cls, begin: Node, end: Node, heading_rad: float, *, step_s: float, length_m: float, axle_m: float
+        cls,
+        begin: Node,
+        end: Node,
+        heading_rad: float,
+        *,
+        step_s: float,
+        length_m: float,
+        guide_m: float,
+        wheelbase_m: float,
     ) -> "Stretch":
         """The stretch that begins with ``heading_rad``: the tractrix by one Runge-Kutta step."""
-        probe = cls(begin, end, heading_rad, heading_rad, step_s, length_m, axle_m)
+        probe = cls(begin, end, heading_rad, heading_rad, step_s, length_m, guide_m, wheelbase_m)
 
         def rate(share: float, heading: float) -> float:
             _, _, vx, vy = probe.guide(share)
-            return (vy * cos(heading) - vx * sin(heading)) / axle_m
+            return (vy * cos(heading) - vx * sin(heading)) / wheelbase_m
 
         k1 = rate(0.0, heading_rad)
         k2 = rate(0.5, heading_rad + k1 * step_s / 2)
         k3 = rate(0.5, heading_rad + k2 * step_s / 2)
         k4 = rate(1.0, heading_rad + k3 * step_s)
         turned = heading_rad + step_s * (k1 + 2 * k2 + 2 * k3 + k4) / 6
-        return cls(begin, end, heading_rad, turned, step_s, length_m, axle_m)
+        return cls(begin, end, heading_rad, turned, step_s, length_m, guide_m, wheelbase_m)
 
     def guide(self, share: float) -> tuple[float, float, float, float]:
         """Position and velocity of the guide, ``share`` in [0, 1] of the step."""
@@ -99,17 +108,17 @@ class Stretch:
         share = time_s / self.step_s
         x, y, vx, vy = self.guide(share)
         heading, yaw = self._heading(share)
-        half_m = self.length_m / 2
+        to_centre_m = self.length_m / 2 - self.guide_m
         east, north = cos(heading), sin(heading)
         up = self.begin.z_m + share * (self.end.z_m - self.begin.z_m)
         slope = self.begin.slope + share * (self.end.slope - self.begin.slope)
         return Pose(
-            x - half_m * east,
-            y - half_m * north,
-            up - half_m * slope,
+            x - to_centre_m * east,
+            y - to_centre_m * north,
+            up - to_centre_m * slope,
             heading,
-            vx + half_m * yaw * north,
-            vy - half_m * yaw * east,
+            vx + to_centre_m * yaw * north,
+            vy - to_centre_m * yaw * east,
             yaw,
         )
 
@@ -128,7 +137,7 @@ class Stretch:
 
     def _rates(self) -> tuple[float, float]:
         def rate(node: Node, heading: float) -> float:
-            return (node.vy_mps * cos(heading) - node.vx_mps * sin(heading)) / self.axle_m
+            return (node.vy_mps * cos(heading) - node.vx_mps * sin(heading)) / self.wheelbase_m
 
         return rate(self.begin, self.heading_rad), rate(self.end, self.end_heading_rad)
 

@@ -1,7 +1,7 @@
 """SUMO, step by step: who is where. One simulation per process, because libsumo is a single global one.
 
 The options make the simulation exact: nobody is teleported, a collision changes nothing (Gantry finds contacts itself,
-from the truth), junctions are shared as the right of way says, lane changes take their time.
+from the truth), junctions are shared as the right of way says, and who changes lanes drives across, never slides.
 """
 
 import tempfile
@@ -17,7 +17,7 @@ from sim.road_users import types_xml
 from sim.traffic_spec import WARM_UP_S, DriverSpec, RoadEvent, TrafficSpec
 
 STEP_S = 0.05
-_LANE_CHANGE_S = 3.0
+_LATERAL_RESOLUTION_M = 0.8  # of the strips into which lanes are parted, so that a change of lane is a way across
 _CAREFUL = 31  # SUMO's speed mode: safe speed 1, acceleration 2, braking 4, right of way 8, red lights 16
 _MODES = {"vehicles": -1, "right_of_way": -8 + 32, "signals": 0}  # 32: also on the junction
 
@@ -109,7 +109,7 @@ class SumoRun:
             "step-length": STEP_S,
             "seed": self._seed % 2**31,
             "scale": self._spec.density,
-            "lanechange.duration": _LANE_CHANGE_S,
+            "lateral-resolution": _LATERAL_RESOLUTION_M,
             "collision.mingap-factor": 0,
             "collision.action": "none",
             "time-to-teleport": -1,

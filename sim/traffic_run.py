@@ -9,10 +9,11 @@ import numpy as np
 from contracts import Event, EventKind
 from contracts.truth import Truth
 from sim.contacts import first_touch
-from sim.road_users import AXLE_SHARE, KINDS, Kind
+from sim.road_users import KINDS, Kind
 from sim.smooth_motion import SPAN, Pose, Stretch, Wreck, node_of
 from sim.sumo_run import STEP_S, SumoRun
 from sim.traffic_spec import WARM_UP_S, TrafficSpec
+from sim.trails import Place, Trail
 from sim.walks import Walk
 
 _WARM_UP_STEPS = round(WARM_UP_S / STEP_S)
@@ -24,7 +25,8 @@ class _Body:
     """Somebody on the road: the samples SUMO gave, and the motion in the present step once there are enough."""
 
     kind: Kind
-    samples: list[tuple[float, float, float, float]] = field(default_factory=list)
+    trail: Trail | None = None
+    samples: list[Place] = field(default_factory=list)
     angles_rad: list[float] = field(default_factory=list)
     stretch: Stretch | None = None
     wreck: Wreck | None = None
@@ -47,19 +49,24 @@ class _Body:
 
     def take(self, front_m: tuple[float, float, float], slope: float, heading_rad: float) -> None:
         """One more sample; the motion of the step that lies half the window back."""
-        self.samples = [*self.samples, (*front_m, slope)][-SPAN - 1 :]
+        length_m = self.kind.size_m[0]
+        if self.trail is None:
+            self.trail = Trail((*front_m, slope), heading_rad, self.kind.front_axle * length_m)
+        else:
+            self.trail.take((*front_m, slope))
+        self.samples = [*self.samples, self.trail.end()][-SPAN - 1 :]
         self.angles_rad = [*self.angles_rad, heading_rad][-SPAN - 1 :]
         if len(self.samples) <= SPAN:
             return
         rows = np.array(self.samples)
-        length_m = self.kind.size_m[0]
         self.stretch = Stretch.following(
             self.stretch.end if self.stretch else node_of(rows[:-1], STEP_S),
             node_of(rows[1:], STEP_S),
             self.stretch.end_heading_rad if self.stretch else self.angles_rad[SPAN // 2],
             step_s=STEP_S,
             length_m=length_m,
-            axle_m=AXLE_SHARE * length_m,
+            guide_m=self.kind.front_axle * length_m,
+            wheelbase_m=(self.kind.rear_axle - self.kind.front_axle) * length_m,
         )
 
 

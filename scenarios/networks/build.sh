@@ -11,6 +11,6 @@ for directory in */; do
     netconvert --node-files "$name/$name.nod.xml" --edge-files "$name/$name.edg.xml" $connections \
         --offset.disable-normalization true --no-turnarounds true --roundabouts.guess true --walkingareas true \
         --crossings.guess true --crossings.guess.speed-threshold 16 --junctions.corner-detail 12 \
-        --junctions.internal-link-detail 24 --junctions.limit-turn-speed 4 --precision 4 --output-file "$name/$name.net.xml"
+        --tls.allred.time 3 --junctions.internal-link-detail 24 --junctions.limit-turn-speed 4 --precision 4 --output-file "$name/$name.net.xml"
     sed -i '/^<!-- generated/,/^-->/d' "$name/$name.net.xml"  # a date and local paths
 done

@@ -13,7 +13,7 @@ from contracts import EventKind, InputError
 from georef.lanes import LaneIndex
 from sim.boxes import Box, separation_m
 from sim.road_map import map_of_network
-from sim.road_users import AXLE_SHARE, KINDS
+from sim.road_users import KINDS
 from sim.smooth_motion import CRASH_MPS2, Node, Stretch
 from sim.sumo_run import SumoRun
 from sim.traffic import TrafficMotion
@@ -64,14 +64,15 @@ def test_nothing_jumps_and_everybody_goes_where_they_face(name, seed):
         mean = (a.velocities_mps[i] + b.velocities_mps[k]) / 2
         assert np.linalg.norm(way - mean * PERIOD_S) <= most * PERIOD_S**2 / 4 + 1e-9
         turn = np.angle(np.exp(1j * (b.headings_rad[k] - a.headings_rad[i])))
-        axle_m = AXLE_SHARE * b.sizes_m[k, 0]
+        rear_axle = KINDS[b.kinds[k]].rear_axle
+        axle_m = rear_axle * b.sizes_m[k, 0]
         speed = max(np.linalg.norm(a.velocities_mps[i]), np.linalg.norm(b.velocities_mps[k])) + 0.5
         assert abs(turn) <= 1.05 * PERIOD_S * speed / axle_m
         if b.sizes_m[k, 0] > SMALL_M:
             assert abs(turn) <= 1.6 * PERIOD_S  # rad/s
             # the rear axle cannot slip: its velocity points where the body faces
             heading = (b.headings_rad[k] + a.headings_rad[i]) / 2 if abs(turn) < 1 else b.headings_rad[k]
-            back = (AXLE_SHARE - 0.5) * b.sizes_m[k, 0]
+            back = (rear_axle - 0.5) * b.sizes_m[k, 0]
             axles = [
                 t.positions_m[n, :2] - back * np.array([np.cos(t.headings_rad[n]), np.sin(t.headings_rad[n])])
                 for t, n in ((a, i), (b, k))
@@ -80,7 +81,7 @@ def test_nothing_jumps_and_everybody_goes_where_they_face(name, seed):
             assert abs(dy * np.cos(heading) - dx * np.sin(heading)) < 2e-3
 
 
-@pytest.mark.parametrize("name", ["crossroads", "avenue_grade"])
+@pytest.mark.parametrize("name", NAMES)
 def test_the_same_seed_is_the_same_truth_and_another_is_another(name):
     first, again, other = run(name, seed=5, seconds=2), run(name, seed=5, seconds=2), run(name, seed=6, seconds=2)
     for a, b in zip(first, again, strict=True):
@@ -109,6 +110,25 @@ def test_bodies_keep_to_their_lanes_and_to_the_slope():
                 lane = index.centrelines[place.lanes[0]].points_m
                 reached = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(lane[:, :2], axis=0).T))])
                 assert abs(np.interp(place.along_m[0], reached, lane[:, 2]) - truth.positions_m[k, 2]) < 0.03
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_nobody_touches_anybody_whom_no_author_sent(name):
+    assert contacts(run(name, TrafficSpec(), seed=1, seconds=20.0, period_ns=5 * PERIOD_NS)) == []
+
+
+def test_a_bus_keeps_its_front_axle_on_the_lane_where_it_turns():
+    bus = DriverSpec("bus", "city_bus", ("south_in", "west_out"), -10.0, speed_mps=10.0)
+    lanes = LaneIndex.of(map_of_network(network("crossroads")))
+    kind = KINDS["city_bus"]
+    off_m = []
+    for truth in run("crossroads", TrafficSpec((bus,), density=0.0), seconds=20.0, period_ns=5 * PERIOD_NS):
+        for place, heading in zip(truth.positions_m[:, :2], truth.headings_rad, strict=True):
+            ahead_m = (0.5 - kind.front_axle) * kind.size_m[0]
+            axle = place + ahead_m * np.array([np.cos(heading), np.sin(heading)])
+            off_m.append(lanes.locate(axle[None]).distances_m[0])
+    assert len(off_m) > 50
+    assert max(off_m) < 0.25
 
 
 DRIVER = DriverSpec("car", "saloon", ("eastward",), -4.0, lane=1, offset_m=10.0, speed_mps=13.0)
@@ -172,7 +192,9 @@ def test_walkers_go_their_way_at_their_speed():
 def test_the_velocity_is_the_derivative_of_the_position(numbers, heading, length_m, share):
     x, y, vx, vy, wx, wy = numbers
     begin, end = Node(0, 0, 0, 0, vx, vy), Node(0.1 * x, 0.1 * y, 0, 0, wx, wy)
-    stretch = Stretch.following(begin, end, heading, step_s=0.05, length_m=length_m, axle_m=0.8 * length_m)
+    stretch = Stretch.following(
+        begin, end, heading, step_s=0.05, length_m=length_m, guide_m=0.2 * length_m, wheelbase_m=0.6 * length_m
+    )
     before, here, after = (stretch.pose(0.05 * share + d) for d in (-1e-6, 0.0, 1e-6))
     for axis in ("x", "y"):
         slope = (getattr(after, f"{axis}_m") - getattr(before, f"{axis}_m")) / 2e-6

@@ -1,20 +1,18 @@
 """A camera calibrated from what it films and the map alone: no board, no picks by hand.
 
 The owner knows about where it hangs (a nominal camera, some degrees and decimetres off, its lens unknown). First the
-direction: the map's paint is laid over the paint of the picture, under turns about three axes and a few lenses, and the
-best overlap is kept. Then, in rounds, each stroke and corner of the map is looked for near its image, ever closer, and
-the whole camera is fitted to what was found, the wrong among it told apart by the mixture of ``georef.mixture``.
+direction: ``perception.paint_search`` lays the map's paint over the picture. Then, in rounds, each stroke, end and
+corner of the map is looked for near its image, ever closer, and the whole camera is fitted to what was found, the wrong
+among it told apart by the mixture of ``georef.mixture``.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
-from contracts import CalibrationError, Camera, FloatArray, Frame, Pose
+from contracts import CalibrationError, Camera, FloatArray, Frame, IntArray
 from georef.camera_models import Beliefs
 from georef.hd_map import HdMap
 from georef.map_calibration import CameraFromMap, calibrate_near
@@ -22,28 +20,26 @@ from georef.mixture import Noise
 from georef.picks import LinePicks, PointPicks
 from georef.projection import project
 from perception.paint_map import Looks, PaintMap, looks_along, paint_of, stretch_around
+from perception.paint_search import directions
 from perception.road_paint import (
     Found,
     brightness,
     corners_near,
     edges_across,
-    paint_mask,
     still_picture,
     strokes_across,
 )
 
-_FARTHEST_M, _ROUGH_M = 70.0, 50.0
-_EVERY_PX, _ROUGH_PX = 10.0, 6.0
+_FARTHEST_M, _EVERY_PX = 70.0, 10.0
 _FIRST_GATE_PX, _STIFF = 12.0, 0.2
 _GATES_PX = (5.0, 3.0, 3.0)
-_TURNS, _STARTS, _LEAST_SAMPLES = 6, 6, 50
+_STARTS = 6
+_LEAST_SHARE, _CLEAR_SHARE = 0.4, 0.6  # of the paint, to be believed, and to look no further
 _GATE_M, _CORNER_GATE_M = 0.5, 0.2  # nearer than the next stroke, and the next corner, of a map
 _LEAST_GATE_PX, _LEAST_CORNER_PX = 1.5, 6.0
 _BARS_APART_PX_PER_M = 24.0  # along a crosswalk's side: its bars must not run into each other
 _STRETCH_M = 5.0
 _NARROWEST_PX = 1.2  # stroke that is still looked for
-_LENSES, _BENDS = (0.0, -0.12), (-0.12, 0.0, 0.12)  # k1 that are tried, and how it is varied
-_BLUR_PX, _SIDES_M = 5.0, 1.0
 _NOISE = Noise(sigma_px=0.3)
 
 
@@ -82,24 +78,37 @@ def calibrate_from_frames(
         beliefs = _beliefs(nominal, mounting, _STIFF if stiff else 1.0)
         return calibrate_near(camera, points, lines, start_noise_px=gate_px / 3, noise=_NOISE, beliefs=beliefs)
 
-    def fits(camera: Camera) -> int:
-        """How much of the paint is found where the camera should see it."""
-        points, lines = _matched(light, camera, paint, _GATES_PX[0], map_sigma_m)
-        return len(points) + len(lines)
-
-    tried: list[Camera] = []
+    tried: list[tuple[float, Camera]] = []
     reasons: list[CalibrationError] = []
-    for start in _turned_to_paint(light, nominal, paint, mounting):
+    for start in directions(light, nominal, paint, turn_rad=mounting.turn_rad, most=_STARTS):
         try:
-            tried.append(fitted(start, _FIRST_GATE_PX, stiff=True).calibrated.camera)
+            camera = fitted(start, _FIRST_GATE_PX, stiff=True).calibrated.camera
+            tried.append((_share_found(light, camera, paint), camera))
+            if tried[-1][0] > _CLEAR_SHARE:
+                break
         except CalibrationError as reason:
             reasons.append(reason)
     if not tried:
         raise reasons[0]
-    camera = max(tried, key=fits)
+    share, camera = max(tried, key=lambda one: one[0])
+    if share < _LEAST_SHARE:
+        raise CalibrationError(
+            f'camera "{nominal.name}": at best {share:.0%} of the paint shows where a camera near its place '
+            f"would see it; {_LEAST_SHARE:.0%} are needed: check its place, the map and the light"
+        )
     for gate_px in _GATES_PX[:-1]:
         camera = fitted(camera, gate_px).calibrated.camera
     return fitted(camera, _GATES_PX[-1])
+
+
+def _share_found(light: NDArray[np.float32], camera: Camera, paint: PaintMap) -> float:
+    """How much of the paint that ``camera`` should see is found there."""
+    asked = found = 0
+    for line in paint.lines:
+        looks = looks_along(camera, line, every_px=_EVERY_PX, farthest_m=_FARTHEST_M)
+        asked += len(_clear(looks, _GATES_PX[0]))
+        found += int(_on_line(light, looks, _GATES_PX[0]).seen.sum())
+    return found / max(asked, 1)
 
 
 def _beliefs(nominal: Camera, mounting: Mounting, share: float) -> Beliefs:
@@ -116,72 +125,6 @@ def _beliefs(nominal: Camera, mounting: Mounting, share: float) -> Beliefs:
     )
 
 
-def _turned_to_paint(light: NDArray[np.float32], nominal: Camera, paint: PaintMap, mounting: Mounting) -> list[Camera]:
-    """The nominal camera, turned, and with lenses, under which the map's paint lies best on the picture's.
-
-    Several, the best first: where paint repeats itself, overlap alone does not tell.
-    """
-    score = np.asarray(cv2.GaussianBlur(paint_mask(light).astype(np.float32), (0, 0), _BLUR_PX), np.float32)
-    on, beside = _samples(nominal, paint)
-    if len(on) < _LEAST_SAMPLES:
-        raise CalibrationError(f'camera "{nominal.name}": hardly any paint of the map lies before it: check its place')
-
-    def overlap(camera: Camera) -> float:
-        return _overlap(score, camera, on) - _overlap(score, camera, beside)
-
-    step = mounting.turn_rad / _TURNS
-    turns = _grid(_TURNS) * step
-    rough = [(overlap(_turned(nominal, turn, k1)), k1, turn) for k1 in _LENSES for turn in turns]
-    chosen: list[tuple[float, FloatArray]] = []
-    for _, k1, turn in sorted(rough, key=lambda one: -one[0]):
-        if all(np.abs(turn - other).max() > 1.5 * step for _, other in chosen):
-            chosen.append((k1, turn))
-        if len(chosen) == _STARTS:
-            break
-    found = []
-    for best in chosen:
-        for share in (1 / 3, 1 / 9):
-            k1, turn = best
-            near = [(k1 + bend * share, turn + shift * share * step) for bend in _BENDS for shift in _grid(2)]
-            best = max(near, key=lambda each: overlap(_turned(nominal, each[1], each[0])))  # noqa: PLW2901
-        found.append(_turned(nominal, best[1], best[0]))
-    return found
-
-
-def _grid(steps: int) -> FloatArray:
-    """Whole numbers from ``-steps`` to ``steps`` on three axes, (N, 3)."""
-    axis = np.arange(-steps, steps + 1, dtype=np.float64)
-    return np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
-
-
-def _turned(camera: Camera, turn: FloatArray, k1: float) -> Camera:
-    """``turn``: a rotation vector (3,) in the camera's own axes."""
-    rotation = camera.pose.world_from_camera @ Rotation.from_rotvec(turn).as_matrix()
-    lens = replace(camera.intrinsics, distortion=np.array([k1, 0.0, 0.0, 0.0, 0.0]))
-    return replace(camera, intrinsics=lens, pose=Pose(rotation, camera.pose.position_m))
-
-
-def _samples(camera: Camera, paint: PaintMap) -> tuple[FloatArray, FloatArray]:
-    """Places (N, 3) on the map's paint, evenly over the image, and others (M, 3) a metre beside it."""
-    on, beside = [], []
-    for line in paint.lines:
-        looks = looks_along(camera, line, every_px=_ROUGH_PX, farthest_m=_ROUGH_M)
-        places, side = looks.places_m, _SIDES_M * looks.right
-        is_stroke = line.width_m > 0
-        on.append(places if is_stroke else places - side)
-        beside += [places + side, places - side] if is_stroke else [places + side]
-    return np.concatenate(on), np.concatenate(beside)
-
-
-def _overlap(score: NDArray[np.float32], camera: Camera, places_m: FloatArray) -> float:
-    """Mean of the blurred paint under the images of places (N, 3); outside of the picture it is 0."""
-    pixels, valid = project(camera, places_m)
-    height, width = score.shape
-    columns, rows = np.nan_to_num(np.rint(pixels), nan=-1.0).astype(np.int64).T
-    inside = valid & (columns >= 0) & (rows >= 0) & (columns < width) & (rows < height)
-    return float(score[rows[inside], columns[inside]].sum()) / len(places_m)
-
-
 def _matched(
     light: NDArray[np.float32], camera: Camera, paint: PaintMap, gate_px: float, map_sigma_m: float
 ) -> tuple[PointPicks, LinePicks]:
@@ -194,20 +137,29 @@ def _matched(
         found = _on_line(light, looks, gate_px)
         names += int(found.seen.sum()) * [line.name]
         pixels.append(found.pixels[found.seen])
-        courses += [stretch_around(line.points_m, place, _STRETCH_M) for place in looks.places_m[found.seen]]
+        courses += [stretch_around(line.course_m, place, _STRETCH_M) for place in looks.places_m[found.seen]]
     lines = LinePicks(tuple(names), np.concatenate(pixels), tuple(courses), np.full(len(names), map_sigma_m))
     return _corners(light, camera, paint, gate_px, map_sigma_m), lines
 
 
+def _reach_px(looks: Looks, gate_px: float) -> FloatArray:
+    return np.clip(_GATE_M * looks.across_px_per_m, 0.0, gate_px)
+
+
+def _clear(looks: Looks, gate_px: float) -> IntArray:
+    """Rows of ``looks`` that the picture is sharp enough to tell."""
+    is_wide = looks.line.width_m * looks.across_px_per_m > _NARROWEST_PX
+    is_apart = looks.along_px_per_m > _BARS_APART_PX_PER_M
+    clear = is_wide if looks.line.width_m > 0.0 else is_apart
+    return np.flatnonzero((_reach_px(looks, gate_px) > _LEAST_GATE_PX) & clear)
+
+
 def _on_line(light: NDArray[np.float32], looks: Looks, gate_px: float) -> Found:
     """One row for each place of ``looks``."""
-    reach = np.clip(_GATE_M * looks.across_px_per_m, 0.0, gate_px)
-    width = looks.line.width_m * looks.across_px_per_m
-    is_stroke = looks.line.width_m > 0.0
-    clear = width > _NARROWEST_PX if is_stroke else looks.along_px_per_m > _BARS_APART_PX_PER_M
-    rows = np.flatnonzero((reach > _LEAST_GATE_PX) & clear)
+    rows = _clear(looks, gate_px)
+    reach, width = _reach_px(looks, gate_px)[rows], (looks.line.width_m * looks.across_px_per_m)[rows]
     asked = light, looks.pixels[rows], looks.normals[rows]
-    found = strokes_across(*asked, width[rows], reach[rows]) if is_stroke else edges_across(*asked, reach[rows])
+    found = strokes_across(*asked, width, reach) if looks.line.width_m > 0.0 else edges_across(*asked, reach)
     pixels = np.full((len(looks.pixels), 2), np.nan)
     pixels[rows] = found.pixels
     return Found(pixels, np.isfinite(pixels[:, 0]))

@@ -36,7 +36,7 @@ def lane_path(light: NDArray[np.float32], camera: Camera, lane: LaneCentreline) 
     where the strokes are is measured. Over the gaps of a dashed stroke its departure is interpolated.
     """
     looks = looks_along(
-        camera, PaintLine(lane.id, lane.points_m, _STROKE_M), every_px=_EVERY_PX, farthest_m=_FARTHEST_M
+        camera, PaintLine(lane.id, lane.points_m, _STROKE_M, lane.points_m), every_px=_EVERY_PX, farthest_m=_FARTHEST_M
     )
     if not len(looks.pixels):
         return None

@@ -6,22 +6,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from contracts import Camera, FloatArray
-from georef.hd_map import AreaKind, HdMap, Line
+from georef.hd_map import AreaKind, HdMap, LaneMarking, Line
 from georef.projection import project
 
 _STEP_M = 0.25  # between places of a line that are looked at
+_SHORT_M = 0.05  # over which scale and direction are taken
+_END_M, _ACROSS_M = 0.02, 0.5  # an end is looked at in the middle of its stroke, and lies on a line across it
 
 
 @dataclass(frozen=True, eq=False)
 class PaintLine:
     """A line of the map that shows in the image.
 
-    points_m: (M, 3). width_m: of the stroke; 0 for the edge of an area whose paint lies to its left.
+    points_m: (M, 3) where it is looked for. width_m: of the stroke; 0 for an edge whose paint lies to its left.
+    course_m: (L, 3) the line on which lies what is found: that which a dash is one of, or an end longer than its edge.
     """
 
     name: str
     points_m: FloatArray
     width_m: float
+    course_m: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +46,7 @@ def paint_of(hd_map: HdMap) -> PaintMap:
         if area.kind is AreaKind.CROSSWALK:
             half = len(area.ring_m) // 2
             right, left = area.ring_m[:half], area.ring_m[half:]  # along the walkers' way, and back
-            lines += [PaintLine(f"{area.id}/right", right, 0.0), PaintLine(f"{area.id}/left", left, 0.0)]
+            lines += [_edge(f"{area.id}/right", right), _edge(f"{area.id}/left", left)]
             names += [f"{area.id}/corner {k}" for k in range(4)]
             corners += [right[0], right[-1], left[0], left[-1]]
     return PaintMap(tuple(lines), tuple(names), np.array(corners).reshape(-1, 3))
@@ -50,9 +54,33 @@ def paint_of(hd_map: HdMap) -> PaintMap:
 
 def _strokes(hd_map: HdMap) -> Iterator[PaintLine]:
     for marking in hd_map.lane_markings:
-        yield PaintLine(marking.id, marking.points_m, marking.width_m)
+        if not marking.dash_m:
+            yield PaintLine(marking.id, marking.points_m, marking.width_m, marking.points_m)
+        for number, (begin_m, end_m) in enumerate(marking.dashes_m.tolist()):
+            name = f"{marking.id}/dash {number}"
+            yield _piece(marking, name, begin_m, end_m)
+            yield _end(f"{name}/begin", marking.places_m([begin_m, begin_m + _END_M]), back=True)
+            yield _end(f"{name}/end", marking.places_m([end_m - _END_M, end_m]), back=False)
     for stop in hd_map.stop_lines:
-        yield PaintLine(stop.id, stop.points_m, stop.width_m)
+        yield PaintLine(stop.id, stop.points_m, stop.width_m, stop.points_m)
+
+
+def _piece(marking: LaneMarking, name: str, begin_m: float, end_m: float) -> PaintLine:
+    along = np.linspace(begin_m, end_m, max(2, int((end_m - begin_m) / _STEP_M) + 1))
+    return PaintLine(name, marking.places_m(along), marking.width_m, marking.points_m)
+
+
+def _edge(name: str, points_m: FloatArray) -> PaintLine:
+    return PaintLine(name, points_m, 0.0, points_m)
+
+
+def _end(name: str, last_m: FloatArray, *, back: bool) -> PaintLine:
+    """The end of a dash. last_m: (2, 3) places near it in the marking's direction. back: whether it begins there."""
+    ahead = (last_m[1] - last_m[0]) / np.linalg.norm(last_m[1] - last_m[0])
+    middle, outwards = (last_m[0], -ahead) if back else (last_m[1], ahead)
+    left = np.array([-outwards[1], outwards[0], 0.0])  # walking this way has what is behind the end on the left
+    across = np.outer([-1.0, 1.0], left)
+    return PaintLine(name, middle + _END_M * across, 0.0, middle + _ACROSS_M * across)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +88,8 @@ class Looks:
     """Places along one line as a camera should see them.
 
     places_m, right: (N, 3) places on the line and unit vectors to its right.
-    pixels, normals: (N, 2) their images and unit vectors across the line's, to its right.
+    pixels, normals: (N, 2) their images and unit vectors to look along, to the right: across a stroke's image; but at
+    an edge the image of what is across it on the road, so that one looks along the bar or the dash which ends there.
     across_px_per_m, along_px_per_m: (N,) scale that way, and along the line.
     """
 
@@ -82,19 +111,21 @@ def looks_along(camera: Camera, line: PaintLine, *, every_px: float, farthest_m:
     tangents /= np.maximum(np.linalg.norm(tangents, axis=1, keepdims=True), 1e-9)
     right = np.column_stack([tangents[:, 1], -tangents[:, 0], np.zeros(len(dense))])
     pixels, valid = project(camera, dense)
-    beside, beside_valid = project(camera, dense + 0.05 * right)
-    ahead, ahead_valid = project(camera, dense + 0.05 * np.column_stack([tangents, np.zeros(len(dense))]))
+    beside, beside_valid = project(camera, dense + _SHORT_M * right)
+    ahead, ahead_valid = project(camera, dense + _SHORT_M * np.column_stack([tangents, np.zeros(len(dense))]))
     size = np.array([camera.intrinsics.width_px, camera.intrinsics.height_px])
     inside = (pixels > 2).all(axis=1) & (pixels < size - 3).all(axis=1)
     seen = near & valid & beside_valid & ahead_valid & inside
     kept = _spaced(pixels, seen, every_px)
-    along = ahead[kept] - pixels[kept]
+    along, across = ahead[kept] - pixels[kept], beside[kept] - pixels[kept]
     length = np.linalg.norm(along, axis=1)
-    along /= length[:, None]
-    normals = np.column_stack([-along[:, 1], along[:, 0]])
-    scale = np.einsum("ni,ni->n", beside[kept] - pixels[kept], normals) / 0.05
-    normals = np.where(scale[:, None] < 0, -normals, normals)
-    return Looks(line, dense[kept], right[kept], pixels[kept], normals, np.abs(scale), length / 0.05)
+    if line.width_m > 0:
+        upright = np.column_stack([-along[:, 1], along[:, 0]]) / length[:, None]
+        normals = upright * np.sign((upright * across).sum(axis=1, keepdims=True))
+    else:
+        normals = across / np.linalg.norm(across, axis=1, keepdims=True)
+    scale = (across * normals).sum(axis=1) / _SHORT_M
+    return Looks(line, dense[kept], right[kept], pixels[kept], normals, scale, length / _SHORT_M)
 
 
 def stretch_around(points_m: FloatArray, place_m: FloatArray, reach_m: float) -> FloatArray:

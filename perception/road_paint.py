@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from contracts import BoolArray, FloatArray, Frame, ImageArray, InputError
 from contracts.arrays import freeze
 
-_WIDEST_PX = 61  # stroke that still counts as one, at full resolution
 _LEAST_CONTRAST = 18.0  # levels between paint and asphalt
 _STEP_PX = 0.5  # between samples of a profile
 _BEYOND_PX = 3.0  # asphalt that must show beside a stroke
@@ -45,14 +44,6 @@ def still_picture(frames: Sequence[Frame]) -> ImageArray:
 def brightness(image: ImageArray) -> NDArray[np.float32]:
     """The brightest channel, (H, W) levels: white and yellow paint look alike in it."""
     return np.asarray(image.max(axis=2), np.float32)
-
-
-def paint_mask(light: NDArray[np.float32]) -> BoolArray:
-    """Pixels (H, W) that stand out as strokes: brighter than what surrounds them within the widest stroke."""
-    half = cv2.resize(light, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
-    kernel = cv2.getStructuringElement(cv2.MORPH_RECT, (_WIDEST_PX // 2, _WIDEST_PX // 2))
-    surround = cv2.resize(cv2.morphologyEx(half, cv2.MORPH_OPEN, kernel), light.shape[::-1])
-    return np.asarray(light - surround > _LEAST_CONTRAST)
 
 
 def strokes_across(

@@ -7,7 +7,10 @@ from typing import Annotated
 
 import typer
 
-app = typer.Typer(help="Calibrate a real camera from images of a board, or from picks on a map.", no_args_is_help=True)
+app = typer.Typer(
+    help="Calibrate a real camera from images of a board, from picks on a map, or from images of the road.",
+    no_args_is_help=True,
+)
 
 
 class Model(StrEnum):
@@ -41,7 +44,8 @@ def intrinsics(
     json: Json = False,
 ) -> None:
     """Calibrate the lens from images of a checkerboard."""
-    from bench.owners import calibrate_lens, print_lens
+    from bench.owners.calibrations import calibrate_lens
+    from bench.owners.printed import print_lens
 
     print_lens(calibrate_lens(images, _board(board), name, out, form.value), out, json=json)
 
@@ -64,11 +68,29 @@ def camera(
     json: Json = False,
 ) -> None:
     """Calibrate a camera from points and lines of a map, picked in its image."""
-    from bench.owners import Wanted, calibrate_from_picks, print_calibration
+    from bench.owners.calibrations import Wanted, calibrate_from_picks
+    from bench.owners.printed import print_calibration
 
     wanted = Wanted(model.value, name, _pair(size, "x", "--size", int), noise_px, height_m, seed, form.value)
     place = _pair(origin, ",", "--origin", float) if origin else None
     print_calibration(calibrate_from_picks(picks, map_, place, wanted, out), out, json=json)
+
+
+@app.command()
+def frames(
+    images: Annotated[list[Path], typer.Argument(help="Images of the empty or busy road.", metavar="IMAGES...")],
+    map_: Annotated[Path, typer.Option("--map", help="HD map (GeoJSON) with the road's paint.")],
+    near: Annotated[Path, typer.Option(help="File of a camera about where this one hangs.")],
+    out: Out,
+    map_sigma_m: Annotated[float, typer.Option(help="Standard deviation of the map's places, per axis.")] = 0.0,
+    form: FormOption = Form.GANTRY,
+    json: Json = False,
+) -> None:
+    """Calibrate a camera from images of the road alone: its paint is found and laid under the map's."""
+    from bench.owners.paint import calibrate_from_images
+    from bench.owners.printed import print_calibration
+
+    print_calibration(calibrate_from_images(images, (map_, map_sigma_m), near, out, form.value), out, json=json)
 
 
 def locate(
@@ -79,7 +101,8 @@ def locate(
     json: Json = False,
 ) -> None:
     """Place pixels on the ground: local metres and WGS84, with covariance."""
-    from bench.owners import locate_table, print_places
+    from bench.owners.places import locate_table
+    from bench.owners.printed import print_places
 
     print_places(locate_table(camera, pixels), json=json)
 

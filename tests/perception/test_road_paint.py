@@ -11,7 +11,6 @@ from perception.road_paint import (
     brightness,
     corners_near,
     edges_across,
-    paint_mask,
     still_picture,
     strokes_across,
 )
@@ -79,14 +78,6 @@ def test_what_is_not_as_expected_is_not_found():
     assert not corners_near(light, place + np.array([0, 3]), 4.0 * ONE).seen[0]  # an edge is no corner
     two = np.maximum(light, drawn(stripe(np.array([60.0, 58.0]), 0.0, 6.0)))
     assert not strokes_across(two, place + np.array([0, 4]), up, 6.0 * ONE, 6.0 * ONE).seen[0]  # which of them?
-
-
-def test_strokes_are_masked_and_wide_areas_are_not():
-    light = np.maximum(drawn(stripe(np.array([60.0, 80.0]), 0.0, 6.0)), 0)
-    light[:20] = 200.0
-    mask = paint_mask(light.astype(np.float32))
-    assert mask[80, 30:90].all()
-    assert not mask[40:70].any()
 
 
 def test_what_moves_is_not_in_the_still_picture():

@@ -10,6 +10,7 @@ from pathlib import Path
 from bench.jobs import Outcome, run_scenario
 from bench.scores import Score, by_name
 from bench.wiring import Stages
+from contracts.files import write_whole
 from scenarios.loader import list_scenarios, load_scenario
 from scenarios.schema import RailScenario
 
@@ -38,7 +39,7 @@ def main() -> None:
     head, _, rest = text.partition(BEGIN)
     _, _, tail = rest.partition(END)
     figures = "\n\n".join([_table("stages", main_job), _table("scenario", library)])
-    DOCUMENT.write_text(f"{head}{BEGIN}\n\n{figures}\n\n{END}{tail}", encoding="utf-8")
+    write_whole(DOCUMENT, f"{head}{BEGIN}\n\n{figures}\n\n{END}{tail}")
     failures = [failure for _, outcome in library for failure in outcome.failures]
     for failure in failures:
         print(failure, file=sys.stderr)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from bench.commands import calibrate
+from bench.commands import owners
 from contracts.errors import GantryError
 
 if TYPE_CHECKING:
@@ -33,8 +33,9 @@ app = typer.Typer(
 tables = typer.Typer(help="Remake the papers' tables on frames whose truth is known.", no_args_is_help=True)
 app.add_typer(tables, name="tables")
 
-app.add_typer(calibrate.app, name="calibrate")
-app.command()(calibrate.locate)
+app.add_typer(owners.app, name="calibrate")
+app.command()(owners.locate)
+app.command()(owners.views)
 
 RunDirectory = Annotated[Path, typer.Argument(help="A run directory.", metavar="RUN")]
 
@@ -270,10 +271,31 @@ def plant(
     out: Annotated[Path, typer.Option(help="The SVG file to write.")],
 ) -> None:
     """Draw a plant to scale."""
+    from contracts.files import write_whole
     from rail.drawing import plant_svg
     from scenarios.plant_file import load_plant
 
-    out.write_text(plant_svg(load_plant(name)), encoding="utf-8")
+    write_whole(out, plant_svg(load_plant(name)))
+    print(out)
+
+
+@app.command("map")
+def map_(
+    scenario: Annotated[str, typer.Argument(help="Name or TOML file of a scenario of the road.")],
+    out: Annotated[Path, typer.Option(help="The GeoJSON file to write.")],
+) -> None:
+    """Write the HD map that the owners of a road's cameras have, its survey's errors included."""
+    from contracts import InputError
+    from georef.hd_map_file import write_map
+    from scenarios.loader import load_scenario
+    from scenarios.schema import RoadScenario
+    from scenarios.worlds import maps_of
+
+    chosen = load_scenario(scenario)
+    if not isinstance(chosen, RoadScenario):
+        raise InputError(f"{scenario} is no scenario of the road: it has no map")
+    _, owners_map = maps_of(chosen)
+    write_map(out, owners_map)
     print(out)
 
 

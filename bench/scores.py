@@ -9,6 +9,7 @@ import msgspec
 from rich.table import Table
 
 from contracts import InputError
+from contracts.files import write_whole
 
 
 @dataclass(frozen=True)
@@ -66,8 +67,8 @@ def from_json(text: str | bytes, *, source: str = "scores") -> tuple[Score, ...]
 
 
 def write_scores(path: Path, scores: Sequence[Score]) -> None:
-    """Write ``scores.json``."""
-    path.write_text(to_json(scores) + "\n", encoding="utf-8")
+    """Write ``scores.json``. Raises InputError if it cannot be written."""
+    write_whole(path, to_json(scores) + "\n")
 
 
 def read_scores(path: Path) -> tuple[Score, ...]:

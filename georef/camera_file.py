@@ -31,6 +31,7 @@ import yaml
 
 from contracts import FloatArray, InputError, Intrinsics, Pose
 from contracts.arrays import frozen_array
+from contracts.files import write_whole
 from georef.calibrated import PARAMETERS, CalibratedCamera
 from georef.camera_forms import CameraForm, StoredCamera, from_opencv, from_ros, is_opencv, is_ros, to_opencv, to_ros
 from georef.geo_reference import GeoReference
@@ -106,10 +107,7 @@ def write_stored(path: Path | str, stored: StoredCamera, form: CameraForm = Came
     Raises InputError if the file cannot be written.
     """
     text = {CameraForm.GANTRY: _to_text, CameraForm.OPENCV: to_opencv, CameraForm.ROS: to_ros}[form](stored)
-    try:
-        Path(path).write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from error
+    write_whole(path, text)
 
 
 def _to_text(stored: StoredCamera) -> str:

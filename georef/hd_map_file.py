@@ -13,6 +13,7 @@ import msgspec
 import numpy as np
 
 from contracts import FloatArray, InputError
+from contracts.files import write_whole
 from georef.geo_reference import GeoReference
 from georef.hd_map import Area, Feature, HdMap, Line, Link
 
@@ -24,8 +25,8 @@ _GEOMETRY = {Line: ("points_m", "LineString"), Area: ("ring_m", "Polygon")}  # e
 
 
 def write_map(path: Path, hd_map: HdMap) -> None:
-    """Write ``hd_map``; reading it gives every coordinate back within 0.1 mm."""
-    path.write_text(map_to_geojson(hd_map), encoding="utf-8")
+    """Write ``hd_map``; reading it gives every coordinate back within 0.1 mm. Raises InputError if it cannot."""
+    write_whole(path, map_to_geojson(hd_map))
 
 
 def read_map(path: Path) -> HdMap:

@@ -8,6 +8,7 @@ import numpy as np
 import yaml
 
 from contracts import InputError
+from contracts.files import write_whole
 from georef.calibrated import CalibratedCamera
 from georef.camera_file import read_stored
 from georef.geo_reference import GeoReference
@@ -34,10 +35,7 @@ def write_homography(path: Path | str, homography: GroundHomography, geo: GeoRef
     }
     if geo is not None:
         content["geo_reference"] = asdict(geo)
-    try:
-        Path(path).write_text(yaml.safe_dump(content, sort_keys=False, default_flow_style=None), encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from error
+    write_whole(path, yaml.safe_dump(content, sort_keys=False, default_flow_style=None))
 
 
 def read_found(path: Path | str) -> tuple[CalibratedCamera | GroundHomography, GeoReference | None]:

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from bench.report.document import write_whole
 from bench.report.material import read_run
 from bench.report.page import page
 from contracts import InputError
+from contracts.files import write_whole
 
 
 def write_report(directories: Sequence[Path], path: Path) -> None:

@@ -4,11 +4,9 @@ import json
 from collections.abc import Mapping
 from html import escape
 from importlib.resources import files
-from pathlib import Path
 from string import Template
 
 from bench.report.charts import Figure
-from contracts import InputError
 
 _ASSETS = files("bench.report") / "assets"
 
@@ -36,16 +34,6 @@ def chart(charts: dict[str, Figure], name: str, figure: Figure) -> str:
     """The place of a chart in the page; its figure goes into ``charts``."""
     charts[name] = figure
     return f'<div class="chart" id="{name}" style="min-height:{figure["layout"]["height"]}px"></div>'
-
-
-def write_whole(path: Path, content: str) -> None:
-    """Write a file that is either whole or not there. Raises InputError if it cannot be written."""
-    partial = path.with_name(f".{path.name}.part")
-    try:
-        partial.write_text(content, encoding="utf-8")
-        partial.replace(path)
-    except OSError as error:
-        raise InputError(f"cannot write the report {path}: {error.strerror}") from error
 
 
 def _script_json(value: object) -> str:

@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from bench.report.document import write_whole
 from bench.scores import write_scores
 from bench.tables.page import tables_page
 from bench.tables.part import Part
 from contracts import InputError
+from contracts.files import write_whole
 
 PAGE_NAME = "tables.html"
 

@@ -1,4 +1,4 @@
-"""``gantry calibrate`` and ``gantry locate``: for owners of real cameras. Nothing of the simulation is loaded."""
+"""``gantry calibrate``, ``locate`` and ``views``: for owners of real cameras. Nothing of the simulation is loaded."""
 
 import re
 from enum import StrEnum
@@ -105,6 +105,22 @@ def locate(
     from bench.owners.printed import print_places
 
     print_places(locate_table(camera, pixels), json=json)
+
+
+def views(
+    cameras: Annotated[list[Path], typer.Argument(help="Camera files that tell where they stand.", metavar="CAM...")],
+    out: Annotated[Path, typer.Option(help="The GeoJSON file to write.")],
+    map_: Annotated[
+        Path | None, typer.Option("--map", help="HD map (GeoJSON): adds the road that no camera sees.")
+    ] = None,
+    farthest_m: Annotated[float, typer.Option(help="Farther from its foot a camera does not count as seeing.")] = 60.0,
+) -> None:
+    """Write the ground that cameras see, and the road's blind spots, as a map layer."""
+    from bench.owners.views import write_views
+
+    for name, area_m2 in write_views(cameras, map_, farthest_m, out).items():
+        print(f"{name}: {area_m2:.1f} m2")
+    print(out)
 
 
 def _board(text: str) -> tuple[int, int, float]:

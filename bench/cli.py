@@ -83,7 +83,9 @@ def run(
         str | None, typer.Option(help="Detector and tracker in one: hybrid, kcf, mosse, or your own: my_pkg.mod:Mine.")
     ] = None,
     model: Annotated[Path | None, typer.Option(help="Colour models from gantry learn.")] = None,
-    locator: Annotated[str, typer.Option(help="ray, or plane0 for the naive projection to z = 0.")] = "ray",
+    locator: Annotated[
+        str | None, typer.Option(help="ray; map, the road's own; or plane0, the naive projection to z = 0.")
+    ] = None,
     analyst: Annotated[str | None, typer.Option(help="Your own: my_pkg.mod:Mine.")] = None,
     oracle: Annotated[list[str] | None, typer.Option(help="Give a stage the truth: detect, calibrate, locate.")] = None,
     calibrator: Annotated[str | None, typer.Option(help="Of the road: picks (by hand), or frames alone.")] = None,

@@ -22,14 +22,15 @@ from bench.road_calibration import CALIBRATORS, PICKS, calibrated_from_map
 from bench.run import Chain, run
 from bench.scores import Score, write_scores
 from bench.scoring import score
-from bench.wiring import Stages, board_lenses, calibrated_cameras, make_chain, make_perception
+from bench.wiring import ON_MAP, Stages, board_lenses, calibrated_cameras, make_chain, make_perception
 from contracts import InputError
 from contracts.truth import Step, World
 from georef.calibrated import CalibratedCamera
 from georef.camera_file import read_camera
+from georef.map_ground import MapGround
 from scenarios.loader import list_scenarios, load_scenario
 from scenarios.schema import RoadScenario, Scenario
-from scenarios.worlds import build_world, geo_of
+from scenarios.worlds import build_world, geo_of, maps_of
 
 SCORES_NAME = "scores.json"
 SAMPLES_NAME = "samples"
@@ -86,20 +87,27 @@ def run_scenario(
     if by_board:
         calibrated = calibrated_cameras(world, lenses, first.frames)
     elif stages.needs_film and isinstance(scenario, RoadScenario):
-        seeded = scenario if seed is None else replace(scenario, seed=seed)
-        calibrated = calibrated_from_map(seeded, world, first.frames, stages.calibrator or PICKS)
+        calibrated = calibrated_from_map(_seeded(scenario, seed), world, first.frames, stages.calibrator or PICKS)
     manifest = manifest_of(scenario, world, stages, calibrated, seed=seed)
     shown = _with_progress(itertools.chain([first], steps), scenario.name, total=len(world), quiet=quiet)
     cameras = [each.camera for each in calibrated]
     perception = make_perception(stages, cameras, world.survey.centrelines_m)
-    chain = make_chain(stages, perception, calibrated, one_per_label=scenario.world == "rail")
+    ground = MapGround.of(maps_of(_seeded(scenario, seed))[1]) if isinstance(scenario, RoadScenario) else None
+    chain = make_chain(stages, perception, calibrated, one_per_label=ground is None, ground=ground)
     _record(shown, manifest, chain, directory, keep_frames=keep_frames, sample_every=len(world) // SAMPLES + 1)
     return rescore(directory, scenario)
+
+
+def _seeded(scenario: RoadScenario, seed: int | None) -> RoadScenario:
+    """As its map is drawn under the seed of the run."""
+    return scenario if seed is None else replace(scenario, seed=seed)
 
 
 def _checked_stages(scenario: Scenario, stages: Stages) -> Stages:
     """The stages with the world's own defaults. What the bench has none of must be named; InputError else."""
     if not isinstance(scenario, RoadScenario):
+        if stages.locator == ON_MAP:
+            raise InputError(f"--locator {ON_MAP} is for the road: the rail has no map of its ground")
         if stages.calibrator:
             raise InputError(f"--calibrator {stages.calibrator} is for the road: the rail has board and marks")
         return stages
@@ -107,7 +115,7 @@ def _checked_stages(scenario: Scenario, stages: Stages) -> Stages:
         return stages
     if not (stages.detector or stages.perceiver or "detect" in stages.oracles):
         raise InputError("the road has no detector of its own: name yours with --detector, or give --oracle detect")
-    chosen = replace(stages, calibrator=stages.calibrator or PICKS)
+    chosen = replace(stages, calibrator=stages.calibrator or PICKS, locator=stages.locator or ON_MAP)
     if chosen.calibrator not in CALIBRATORS:
         choices = ", ".join(CALIBRATORS)
         raise InputError(f"--calibrator {chosen.calibrator}: no such calibrator, choose from {choices}")

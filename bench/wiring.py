@@ -27,6 +27,7 @@ from georef.calibrated import CalibratedCamera
 from georef.fusion import CovarianceFuser
 from georef.intrinsics import IntrinsicCalibration
 from georef.location import GroundPlaneLocator, RayPlaneLocator
+from georef.map_ground import MapGround, MapGroundLocator
 from georef.motion import WindowAnalyst
 from perception.baselines.colour_mixture import ColourMixture
 from perception.baselines.colour_range import ColourRange
@@ -54,6 +55,7 @@ PERCEIVERS: dict[str, Callable[[ColourModels, Camera, Lines], Perceiver]] = {
     "mosse": lambda models, camera, _: FilterTracker(HistogramBackProjection(models, camera), MosseFilter),
 }
 LOCATORS = {"ray": RayPlaneLocator, "plane0": GroundPlaneLocator}
+ON_MAP = "map"  # the locator that needs one
 
 
 @dataclass(frozen=True)
@@ -63,7 +65,8 @@ class Stages:
     detector: also one of ``DETECTORS``; it searches every frame.
     perceiver: replaces detector and tracker; also one of ``PERCEIVERS``, whose first one serves where nothing is given.
     model: file of colour models for the bench's own detector.
-    locator: ``ray`` meets the plane at the anchor's height; ``plane0`` is the naive projection to z = 0.
+    locator: ``ray`` meets the plane at the anchor's height; ``map``, the road's own, the ground of its map;
+        ``plane0`` is the naive projection to z = 0.
     analyst: tells direction and speed.
     calibrator: of the road's cameras: ``picks`` made by hand, or ``frames`` alone (``bench.road_calibration``).
     oracles: stages that are given the truth.
@@ -74,7 +77,7 @@ class Stages:
     tracker: str | None = None
     perceiver: str | None = None
     model: Path = SHIPPED
-    locator: str = "ray"
+    locator: str | None = None
     analyst: str | None = None
     calibrator: str | None = None
     oracles: tuple[str, ...] = ()
@@ -84,8 +87,9 @@ class Stages:
         for oracle in self.oracles:
             if oracle not in oracles.ORACLES:
                 raise InputError(f"--oracle {oracle}: no such oracle, choose from {', '.join(oracles.ORACLES)}")
-        if self.locator not in LOCATORS:
-            raise InputError(f"--locator {self.locator}: no such locator, choose from {', '.join(LOCATORS)}")
+        known = (*LOCATORS, ON_MAP)
+        if self.locator not in (None, *known):
+            raise InputError(f"--locator {self.locator}: no such locator, choose from {', '.join(known)}")
         if self.renderer not in list(RendererName):
             raise InputError(f"--renderer {self.renderer}: no such renderer, choose from {', '.join(RendererName)}")
 
@@ -100,7 +104,7 @@ class Stages:
             return {"locator": "oracle", "analyst": self.analyst or "window"}
         own = f"map, {self.calibrator}" if self.calibrator else "checkerboard and control points"
         calibrator = "oracle" if "calibrate" in self.oracles else own
-        places = {"calibrator": calibrator, "locator": self.locator, "fuser": "covariance"}
+        places = {"calibrator": calibrator, "locator": self.locator or "ray", "fuser": "covariance"}
         return {**self._eyes(), **places, "analyst": self.analyst or "window"}
 
     def _eyes(self) -> dict[str, str]:
@@ -219,20 +223,34 @@ def calibrated_cameras(
 
 
 def make_chain(
-    stages: Stages, perceive: Perception, cameras: Sequence[CalibratedCamera], *, one_per_label: bool = True
+    stages: Stages,
+    perceive: Perception,
+    cameras: Sequence[CalibratedCamera],
+    *,
+    one_per_label: bool = True,
+    ground: MapGround | None = None,
 ) -> Chain:
     """The chain of a run over ``cameras``.
 
+    ground: of the map, for the locator that needs it; InputError where it is missing.
     one_per_label: whether no two objects bear the same label, as on the rail, where a colour is an identity.
     """
     analyse = stages.make_analyst().analyse
     if not stages.needs_film:
         fuse = CovarianceFuser().fuse
         return Chain(perceive=perceive, locate=oracles.TrueLocation().locate, fuse=fuse, analyse=analyse)
-    locator: Locator = LOCATORS[stages.locator]({calibrated.camera.name: calibrated for calibrated in cameras})
+    locator = _locator(stages.locator or "ray", {calibrated.camera.name: calibrated for calibrated in cameras}, ground)
 
     def locate(_: Step, tracks: tuple[Tracks, ...]) -> tuple[GroundTracks, ...]:
         return tuple(locator.locate(each) for each in tracks)
 
     fuse = CovarianceFuser(one_per_label=one_per_label).fuse
     return Chain(perceive=perceive, locate=locate, fuse=fuse, analyse=analyse)
+
+
+def _locator(name: str, cameras: Mapping[str, CalibratedCamera], ground: MapGround | None) -> Locator:
+    if name != ON_MAP:
+        return LOCATORS[name](cameras)
+    if ground is None:
+        raise InputError(f"--locator {ON_MAP} is for the road: nothing else here has a map")
+    return MapGroundLocator(cameras, ground)

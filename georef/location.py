@@ -79,9 +79,12 @@ class RayPlaneLocator:
         return self._locate(tracks, tracks.objects.anchor_heights_m)
 
     def _locate(self, tracks: Tracks, heights_m: FloatArray) -> GroundTracks:
+        calibrated = self._camera(tracks.objects.camera)
+        return self._placed(tracks, calibrated, place(calibrated.camera, tracks.objects.anchors_px, heights_m))
+
+    @staticmethod
+    def _placed(tracks: Tracks, calibrated: CalibratedCamera, placement: Placement) -> GroundTracks:
         objects = tracks.objects
-        calibrated = self._camera(objects.camera)
-        placement = place(calibrated.camera, objects.anchors_px, heights_m)
         return GroundTracks(
             source=objects.camera,
             time_ns=objects.time_ns,

@@ -98,13 +98,14 @@ def locate(
         Path, typer.Argument(help="Table: u_px, v_px [, height_m, sigma_px, name].", metavar="PIXELS.csv")
     ],
     camera: Annotated[Path, typer.Option(help="Camera file, from gantry calibrate or your own.")],
+    map_: Annotated[Path | None, typer.Option("--map", help="HD map (GeoJSON) whose ground they lie on.")] = None,
     json: Json = False,
 ) -> None:
     """Place pixels on the ground: local metres and WGS84, with covariance."""
     from bench.owners.places import locate_table
     from bench.owners.printed import print_places
 
-    print_places(locate_table(camera, pixels), json=json)
+    print_places(locate_table(camera, pixels, map_), json=json)
 
 
 def views(

@@ -17,7 +17,7 @@ class Sightings:
     """The K hits of one camera whose track is recorded, with their anchors.
 
     hits: the same K rows on the ground.
-    anchors_px, heights_m: (K, 2) and (K,) as perception stated them.
+    anchors_px, heights_m: (K, 2) and (K,) as perception stated them, the heights from z = 0 like the true ones.
     true_anchors_px, true_heights_m: (K, 2) and (K,) of the true point that is meant: the centre of the roof, or that of
         the footprint where the stated height is nearer to the ground.
     """
@@ -72,7 +72,7 @@ def _frame_rows(frame: MatchedFrame, camera: str, tracks: Tracks | None) -> Floa
         k = place.get(int(frame.ground.ids[estimate]))
         if k is not None:
             height_m = tracks.objects.anchor_heights_m[k]
-            row[:3] = *tracks.objects.anchors_px[k], height_m
+            row[:3] = *tracks.objects.anchors_px[k], height_m + float(frame.truth.positions_m[thing, 2])
             row[3:] = _true_anchor(frame, view, thing, height_m)
     return rows
 
@@ -80,6 +80,6 @@ def _frame_rows(frame: MatchedFrame, camera: str, tracks: Tracks | None) -> Floa
 def _true_anchor(frame: MatchedFrame, view: CameraTruth, thing: int, height_m: float) -> tuple[float, float, float]:
     foot_m = float(frame.truth.positions_m[thing, 2])
     roof_m = foot_m + float(frame.truth.sizes_m[thing, 2])
-    on_roof = abs(height_m - roof_m) <= abs(height_m - foot_m)
+    on_roof = abs(height_m - (roof_m - foot_m)) <= abs(height_m)
     u, v = (view.roofs_px if on_roof else view.footprints_px)[thing]
     return float(u), float(v), roof_m if on_roof else foot_m

@@ -15,18 +15,21 @@ RANGES_M = ((0.0, 20.0), (20.0, 30.0), (30.0, 40.0), (40.0, 50.0), (50.0, 60.0))
 WITHIN_M = 40.0
 _STEP_M = 1.0
 
+Places = dict[str, list[tuple[FloatArray, FloatArray]]]
+"""By calibrator, of each camera: ranges (N,) and errors (N,) in metres."""
 
-def errors_by_place(filmed: FilmedCamera, calibrator: str) -> tuple[FloatArray, FloatArray]:
+
+def errors_by_place(filmed: FilmedCamera, calibrator: str, *, flat: bool = False) -> tuple[FloatArray, FloatArray]:
     """Ranges (N,) and errors (N,) in metres, NaN where nothing is located, of places of the road in the image.
 
-    The image of each place is exact: OpenCV's, through the true camera. On a slope the place is still put on z = 0.
+    The image of each place is exact: OpenCV's, through the true camera. flat: places are put on z = 0 even on a slope.
     """
     found = filmed.found[calibrator]
     if isinstance(found, str):
         return np.empty(0), np.empty(0)
     places = road_places(filmed)
     pixels, _ = project(filmed.true, places)
-    located = locate_pixels(found, pixels)
+    located = locate_pixels(found, pixels, ground=None if flat else filmed.ground)
     ranges = np.linalg.norm(places[:, :2] - filmed.true.pose.position_m[:2], axis=1)
     return ranges, np.linalg.norm(located.positions_m - places[:, :2], axis=1)
 
@@ -44,8 +47,26 @@ def road_places(filmed: FilmedCamera) -> FloatArray:
     return np.asarray(places[valid & inside & near])
 
 
-def ranges(everything: dict[str, list[tuple[FloatArray, FloatArray]]], refused: dict[str, int]) -> Part:
+def ranges(everything: Places, refused: dict[str, int]) -> Part:
     """One row per calibrator: root mean square by range, and the mean within 40 m. refused: cameras, by calibrator."""
+    says = (
+        "Places a metre apart on the lanes before the true camera, imaged exactly, and located: root mean square of "
+        "the whole distance from the truth, metres, by range from the pole's foot. Held to the lane's centreline "
+        "only, as the paper does, the part along the road does not count."
+    )
+    return _part("ranges", "The whole error by range", says, everything, refused)
+
+
+def flat_ground(everything: Places, refused: dict[str, int]) -> Part:
+    """The same where the road climbs and is taken to be level."""
+    says = (
+        "The same places of the roads that climb, put on z = 0 as if the ground were level, instead of on the heights "
+        "of the map."
+    )
+    return _part("flat_ground", "What flat ground costs on a slope", says, everything, refused)
+
+
+def _part(key: str, title: str, says: str, everything: Places, refused: dict[str, int]) -> Part:
     rows, scores = [], []
     for name, seen in everything.items():
         away, errors = (np.concatenate([np.empty(0), *(one[k] for one in seen)]) for k in range(2))
@@ -55,9 +76,9 @@ def ranges(everything: dict[str, list[tuple[FloatArray, FloatArray]]], refused: 
         figures = [float(np.sqrt((some**2).mean())) if len(some) else float("nan") for some in bins]
         cameras = f"{len(seen)}, {refused[name]} refused" if refused[name] else str(len(seen))
         rows.append((CALIBRATORS[name], cameras, *(number(value, ".3f") for value in figures), number(mean, ".3f")))
-        scores.append(Score.of(f"ranges.{name}.mean_within_40_m", mean, "m", len(near)))
+        scores.append(Score.of(f"{key}.{name}.mean_within_40_m", mean, "m", len(near)))
         scores += [
-            Score.of(f"ranges.{name}.rms_{low:.0f}_{high:.0f}_m", value, "m", len(some))
+            Score.of(f"{key}.{name}.rms_{low:.0f}_{high:.0f}_m", value, "m", len(some))
             for (low, high), value, some in zip(RANGES_M, figures, bins, strict=True)
         ]
     head = (
@@ -66,9 +87,4 @@ def ranges(everything: dict[str, list[tuple[FloatArray, FloatArray]]], refused: 
         *(f"{low:.0f} – {high:.0f} m" for low, high in RANGES_M),
         "mean to 40 m",
     )
-    says = (
-        "Places a metre apart on the lanes before the true camera, imaged exactly, and located: root mean square of "
-        "the whole distance from the truth, metres, by range from the pole's foot. Held to the lane's centreline "
-        "only, as the paper does, the part along the road does not count."
-    )
-    return Part("ranges", "The whole error by range", says, (Grid(head, tuple(rows)),), scores=tuple(scores))
+    return Part(key, title, says, (Grid(head, tuple(rows)),), scores=tuple(scores))

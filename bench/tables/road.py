@@ -8,12 +8,12 @@ from rich.console import Console
 from rich.progress import track
 
 from bench.tables.part import Part
-from bench.tables.ranges import errors_by_place, ranges
+from bench.tables.ranges import Places, errors_by_place, flat_ground, ranges
 from bench.tables.road_film import CALIBRATORS, FilmedCamera, film_road
 from bench.tables.road_picture import road_picture
 from bench.tables.tablea1 import Projected, lane_paths, project_lanes, table_a1
 from bench.tables.written import write_parts
-from contracts import FloatArray, InputError
+from contracts import InputError
 from scenarios.loader import load_scenario
 from scenarios.schema import RoadScenario
 
@@ -26,9 +26,8 @@ class RoadEvaluation:
     """What every calibrator made of every camera so far."""
 
     lanes: dict[str, list[Projected]] = field(default_factory=lambda: {name: [] for name in CALIBRATORS})
-    places: dict[str, list[tuple[FloatArray, FloatArray]]] = field(
-        default_factory=lambda: {name: [] for name in CALIBRATORS}
-    )
+    places: Places = field(default_factory=lambda: {name: [] for name in CALIBRATORS})
+    flat: Places = field(default_factory=lambda: {name: [] for name in CALIBRATORS})  # where the road climbs
     refused: dict[str, int] = field(default_factory=lambda: dict.fromkeys(CALIBRATORS, 0))
     cameras: int = 0
     picture: Part | None = None  # of the first camera that finds a lane
@@ -43,12 +42,16 @@ class RoadEvaluation:
                 continue
             self.lanes[name] += project_lanes(filmed, paths, name, filmed.scenario.seed)
             self.places[name].append(errors_by_place(filmed, name))
+            if filmed.ground is not None:
+                self.flat[name].append(errors_by_place(filmed, name, flat=True))
         if self.picture is None and paths:
             self.picture = road_picture(filmed, paths)
 
     def parts(self) -> list[Part]:
         """All tables and the picture."""
         parts = [table_a1(self.lanes), ranges(self.places, self.refused)]
+        if any(self.flat.values()):
+            parts.append(flat_ground(self.flat, self.refused))
         return [*parts, self.picture] if self.picture else parts
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from georef.calibrated import CalibratedCamera
 from georef.ground_homography import GroundHomography
 from georef.hd_map import HdMap
 from georef.map_calibration import calibrate_camera, calibrate_homography, calibrate_pan_tilt
+from georef.map_ground import MapGround
 from perception.road_paint import still_picture
 from scenarios.schema import RoadScenario
 from scenarios.worlds import build_world, maps_of
@@ -37,6 +39,12 @@ class FilmedCamera:
     true_map: HdMap
     owners_map: HdMap
     found: dict[str, Finding | str]
+
+    @cached_property
+    def ground(self) -> MapGround | None:
+        """Of the owners' map; None where all of it is level."""
+        ground = MapGround.of(self.owners_map)
+        return None if ground.is_level else ground
 
 
 def film_road(scenario: RoadScenario, *, seed: int | None = None) -> list[FilmedCamera]:

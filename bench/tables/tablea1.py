@@ -64,13 +64,13 @@ def project_lanes(filmed: FilmedCamera, paths: Sequence[LanePath], calibrator: s
     eye = filmed.true.pose.position_m[:2]
     projected = []
     for path in paths:
-        located = locate_pixels(found, path.pixels)
+        located = locate_pixels(found, path.pixels, ground=filmed.ground)
         ranges = np.linalg.norm(located.positions_m - eye, axis=1)
         usable = located.valid & (ranges < FARTHEST_M)
         if usable.sum() < 2:
             continue
         pixels = _uniform(path.pixels[usable], ranges[usable], np.random.default_rng(seed))
-        places = locate_pixels(found, pixels).positions_m
+        places = locate_pixels(found, pixels, ground=filmed.ground).positions_m
         feet = index.places_on(np.full(POINTS, row_of[path.lane]), places)
         wgs84 = filmed.owners_map.geo.to_wgs84(places)
         projected.append(Projected(filmed.true.name, path.lane, pixels, places, wgs84, feet.distances_m))

@@ -109,6 +109,22 @@ def test_picks_may_name_features_of_a_map_and_the_map_offers_the_next(tmp_path):
     assert read_stored(tmp_path / "camera.yaml").geo == ORIGIN
 
 
+def test_on_the_ground_of_a_map_places_are_as_high_as_its_lines(tmp_path):
+    file = tmp_path / "camera.yaml"
+    told("calibrate", "camera", picks(tmp_path), "--size", "1920x1080", "--origin", "37.398,127.112", "--out", file)
+    courses = [np.array([[10.0, y, 1.0], [70.0, y, 1.0]]) for y in (-8.0, 8.0)]
+    lanes = tuple(LaneMarking(f"edge {k}", course, MarkingKind.EDGE) for k, course in enumerate(courses))
+    write_map(tmp_path / "map.geojson", HdMap(ORIGIN, lane_markings=lanes))
+    pixels = table(tmp_path / "p.csv", "u_px,v_px", image([[30.0, 1.0, 1.0]]))
+    (there,) = told("locate", "--camera", file, pixels, "--map", tmp_path / "map.geojson")
+    (flat,) = told("locate", "--camera", file, pixels)
+    assert np.hypot(there["x_m"] - 30.0, there["y_m"] - 1.0) < 0.2
+    assert flat["x_m"] - there["x_m"] > 3.0
+    write_map(tmp_path / "elsewhere.geojson", HdMap(GeoReference(37.0, 127.0), lane_markings=lanes))
+    error = gantry_error("locate", "--camera", file, pixels, "--map", tmp_path / "elsewhere.geojson")
+    assert "elsewhere.geojson: its metres begin elsewhere" in str(error)
+
+
 def test_a_lens_is_calibrated_from_images_of_a_board(tmp_path):
     rng, square = np.random.default_rng(3), 60
     board = np.full((8 * square, 11 * square), 255, np.uint8)

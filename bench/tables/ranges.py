@@ -7,6 +7,7 @@ from bench.scores import Score
 from bench.tables.part import Grid, Part, number
 from bench.tables.road_film import CALIBRATORS, FilmedCamera
 from contracts import FloatArray
+from georef.calibrated import CalibratedCamera
 from georef.hd_map import LaneUse
 from georef.locate import locate_pixels
 from sim.projection import project
@@ -22,14 +23,19 @@ Places = dict[str, list[tuple[FloatArray, FloatArray]]]
 def errors_by_place(filmed: FilmedCamera, calibrator: str, *, flat: bool = False) -> tuple[FloatArray, FloatArray]:
     """Ranges (N,) and errors (N,) in metres, NaN where nothing is located, of places of the road in the image.
 
-    The image of each place is exact: OpenCV's, through the true camera. flat: places are put on z = 0 even on a slope.
+    The image of each place is exact: OpenCV's, through the true camera. flat: the ground is taken to be
+    as high everywhere as below the camera, which only a camera, no homography, can do.
     """
     found = filmed.found[calibrator]
     if isinstance(found, str):
         return np.empty(0), np.empty(0)
     places = road_places(filmed)
     pixels, _ = project(filmed.true, places)
-    located = locate_pixels(found, pixels, ground=None if flat else filmed.ground)
+    if flat and filmed.ground is not None and isinstance(found, CalibratedCamera):
+        below = filmed.ground.heights_m(found.camera.pose.position_m[None, :2])
+        located = locate_pixels(found, pixels, heights_m=float(below[0]))
+    else:
+        located = locate_pixels(found, pixels, ground=filmed.ground)
     ranges = np.linalg.norm(places[:, :2] - filmed.true.pose.position_m[:2], axis=1)
     return ranges, np.linalg.norm(located.positions_m - places[:, :2], axis=1)
 
@@ -60,8 +66,8 @@ def ranges(everything: Places, refused: dict[str, int]) -> Part:
 def flat_ground(everything: Places, refused: dict[str, int]) -> Part:
     """The same where the road climbs and is taken to be level."""
     says = (
-        "The same places of the roads that climb, put on z = 0 as if the ground were level, instead of on the heights "
-        "of the map."
+        "The same places of the roads that climb, as if the ground were everywhere as high as below the camera, "
+        "instead of on the heights of the map."
     )
     return _part("flat_ground", "What flat ground costs on a slope", says, everything, refused)
 

@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from functools import partial
 
-from sim.body_pieces import PROUD_M, Builder, Material, Piece, Size, across, around, axle, block, line, loft, pair, pane
+from sim.body_pieces import Builder, Material, Piece, Size, across, around, block, line, loft, pair
+from sim.coachwork import PROUD_M, axle, pane
 
 
 @dataclass(frozen=True)

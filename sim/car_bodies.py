@@ -3,22 +3,8 @@
 from dataclasses import dataclass
 from functools import cached_property, partial
 
-from sim.body_pieces import (
-    PROUD_M,
-    Builder,
-    Line,
-    Material,
-    Piece,
-    Size,
-    across,
-    around,
-    axle,
-    block,
-    line,
-    loft,
-    pane,
-    wrapped,
-)
+from sim.body_pieces import Builder, Line, Material, Piece, Size, across, around, block, line, loft
+from sim.coachwork import PROUD_M, Coachwork, axle, pane, wrapped
 
 _PILLAR_M = 0.07
 
@@ -79,21 +65,10 @@ _SHAPES: dict[str, dict[str, CarShape]] = {
 
 
 @dataclass(frozen=True)
-class _Lines:
+class _Lines(Coachwork):
     """A shape's lines in metres. Heights of points on them are functions of x; half widths and ends those of z."""
 
     shape: CarShape
-    size: Size
-
-    @cached_property
-    def half(self) -> float:
-        """Half of the paint's greatest width: mirrors and wheels stand out of it."""
-        return self.size[1] / 2 - 0.02
-
-    @cached_property
-    def end(self) -> float:
-        """From the middle to the paint's front and rear end."""
-        return self.size[0] / 2 - 2 * PROUD_M
 
     @cached_property
     def waist(self) -> float:
@@ -185,7 +160,7 @@ class _Lines:
 
 def car(shape: CarShape, size: Size) -> list[Piece]:
     """A passenger car."""
-    lines = _Lines(shape, size)
+    lines = _Lines(size, shape)
     return [
         _body(lines),
         _cabin(lines),

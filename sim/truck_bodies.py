@@ -4,46 +4,19 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 
-from sim.body_pieces import (
-    PROUD_M,
-    Builder,
-    Line,
-    Material,
-    Piece,
-    Size,
-    across,
-    around,
-    axle,
-    block,
-    line,
-    loft,
-    open_axle,
-    pair,
-    pane,
-    wrapped,
-)
+from sim.body_pieces import Builder, Line, Material, Piece, Size, across, around, block, line, loft, pair
+from sim.coachwork import PROUD_M, Coachwork, axle, open_axle, pane, wrapped
 
 _BED_M = 1.0  # height of a truck's loading floor
 Load = Callable[[Size, float], list[Piece]]  # of a size, ahead to some x
 
 
 @dataclass(frozen=True)
-class _VanLines:
+class _VanLines(Coachwork):
     """A van's lines in metres; half widths are functions of z, points are (x, z)."""
 
-    size: Size
     low: float = 0.28
     waist: float = 0.80
-
-    @cached_property
-    def end(self) -> float:
-        """From the middle to the paint's front and rear end."""
-        return self.size[0] / 2 - 2 * PROUD_M
-
-    @cached_property
-    def half(self) -> float:
-        """Half of the paint's greatest width."""
-        return self.size[1] / 2 - 0.02
 
     @cached_property
     def flank(self) -> Line:

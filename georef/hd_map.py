@@ -131,11 +131,14 @@ class Line:
         """Length on the ground plane, as a map measures it."""
         return float(np.linalg.norm(np.diff(self.points_m[:, :2], axis=0), axis=1).sum())
 
+    @property
+    def reached_m(self) -> FloatArray:
+        """Length on the ground plane from the start to each point, (N,)."""
+        return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(self.points_m[:, :2], axis=0), axis=1))])
+
     def places_m(self, along_m: ArrayLike) -> FloatArray:
         """Points (K, 3) at lengths (K,) from the start; beyond the ends, the ends."""
-        asked = np.asarray(along_m, np.float64)
-        sides = np.linalg.norm(np.diff(self.points_m[:, :2], axis=0), axis=1)
-        reached = np.concatenate([[0.0], np.cumsum(sides)])
+        asked, reached = np.asarray(along_m, np.float64), self.reached_m
         return np.column_stack([np.interp(asked, reached, self.points_m[:, axis]) for axis in range(3)])
 
 

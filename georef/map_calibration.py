@@ -22,6 +22,7 @@ from georef.picks import LinePicks, PointPicks
 
 LEAST_NEAR = 40
 LEAST_POINTS = {"full": 8, "pan-tilt": 6, "homography": 6}
+_GOOD_POINTS = 25
 _LARGEST_WRONG_SHARE = 0.4
 _LARGEST_NOISE_SHARE = 0.01  # of the image's width
 _ON_GROUND_M = 1e-6
@@ -102,7 +103,7 @@ def calibrate_near(
     Raises CalibrationError, with the reason, for picks that do not determine it.
     """
     name, size = start.name, start.intrinsics
-    check_enough(name, len(points) + len(lines), LEAST_NEAR, "points and pixels on lines")
+    check_enough(name, len(points) + len(lines), "points and pixels on lines", least=LEAST_NEAR)
     model = CameraModel(points, lines, beliefs or Beliefs())
     extent_px = float(np.hypot(size.width_px, size.height_px))
     begin = [(FullState(start), start_noise_px)]
@@ -148,7 +149,7 @@ def calibrate_homography(
     width_px, height_px = _checked_size(size_px)
     on_ground = np.abs(points.points_m[:, 2]) < _ON_GROUND_M
     used = points.chosen(on_ground)
-    check_enough(name, len(used), LEAST_POINTS["homography"], "points on the ground, z = 0")
+    check_enough(name, len(used), "points on the ground, z = 0", least=LEAST_POINTS["homography"], good=_GOOD_POINTS)
     check_spread(name, used, width_px, height_px)
     model = HomographyModel(used, width_px, height_px)
     extent = float(np.hypot(width_px, height_px))
@@ -173,7 +174,7 @@ def _calibrate(
 ) -> CameraFromMap:
     width_px, height_px = _checked_size(size_px)
     points, lines = model.points, model.lines
-    check_enough(name, len(points), LEAST_POINTS[kind], "points")
+    check_enough(name, len(points), "points", least=LEAST_POINTS[kind], good=_GOOD_POINTS)
     check_spread(name, points, width_px, height_px)
     first = first_cameras(name, points, width_px, height_px, rng)
     starts = [state for camera in first for state in states_near(camera)]

@@ -11,12 +11,14 @@ _ONE_SIDE = 1 / 3  # of the image's width or height, within which all picks lie
 _LEAST_AREA = 0.01  # of the image, inside the picks' convex hull
 
 
-def check_enough(name: str, count: int, least: int, what: str) -> None:
-    """Raises CalibrationError for fewer picks than leave something over to tell a wrong one by."""
+def check_enough(name: str, count: int, what: str, *, least: int, good: int | None = None) -> None:
+    """Raises CalibrationError for fewer picks than leave something over to tell a wrong one by.
+
+    good: the number to advise; None where nobody chooses how many there are.
+    """
     if count < least:
-        raise CalibrationError(
-            f'camera "{name}": {count} {what}; at least {least} are needed, and 25 are a good number'
-        )
+        advice = f", and {good} are a good number" if good else ""
+        raise CalibrationError(f'camera "{name}": {count} {what}; at least {least} are needed{advice}')
 
 
 def check_spread(name: str, points: PointPicks, width_px: int, height_px: int) -> None:

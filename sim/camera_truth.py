@@ -1,12 +1,13 @@
 """What a camera sees of the truth: boxes, visible shares and centres, through its lens as it is."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
 from contracts import Camera, FloatArray, ImageArray
-from contracts.truth import CameraTruth, Truth
+from contracts.truth import CameraTruth, Occlusion, Truth
 from sim.projection import project
 from sim.renderer import Rendered
 
@@ -33,16 +34,32 @@ def camera_truth(camera: Camera, state: Truth, seen: Rendered) -> CameraTruth:
         if count:
             visible[row] = box
             fractions[row] = min(1.0, count / max(1, silhouette_pixels(pixels[row])))
+    return view_of(camera, state, seen, Visibility(fractions, full, visible))
+
+
+@dataclass(frozen=True, eq=False)
+class Visibility:
+    """How much of each object a camera sees; as the fields of ``CameraTruth``."""
+
+    fractions: FloatArray
+    full_boxes_px: FloatArray
+    visible_boxes_px: FloatArray
+    hidden_by: tuple[tuple[Occlusion, ...], ...] = ()
+
+
+def view_of(camera: Camera, state: Truth, seen: Rendered, found: Visibility) -> CameraTruth:
+    """What was found of the objects' visibility, with where the camera has the points of their true boxes."""
     return CameraTruth(
         camera=camera.name,
         index=state.index,
         time_ns=state.time_ns,
-        visible_fractions=fractions,
-        full_boxes_px=full,
-        visible_boxes_px=visible,
+        visible_fractions=found.fractions,
+        full_boxes_px=found.full_boxes_px,
+        visible_boxes_px=found.visible_boxes_px,
         footprints_px=project(camera, state.positions_m)[0],
         roofs_px=project(camera, roof_centres(state))[0],
         footprint_corners_px=project(camera, footprint_corners(state))[0],
+        hidden_by=found.hidden_by,
         instances=seen.instances,
     )
 

@@ -53,7 +53,7 @@ def surface_parts(
 def painted(road_map: HdMap, colour: Colour) -> Iterator[shapely.Polygon]:
     """Every stroke of paint of one colour, on the ground plane; they may overlap."""
     for line in road_map.lane_markings:
-        pieces = [cut(line.points_m, *dash) for dash in line.dashes_m.tolist()] if line.dash_m else [line.points_m]
+        pieces = [cut(line, *dash) for dash in line.dashes_m.tolist()] if line.dash_m else [line.points_m]
         if line.colour is colour:
             yield from (stroke(piece, line.width_m) for piece in pieces)
     if colour is not Colour.WHITE:
@@ -62,7 +62,7 @@ def painted(road_map: HdMap, colour: Colour) -> Iterator[shapely.Polygon]:
         yield stroke(stop.points_m, stop.width_m)
     for guide in road_map.guide_lines:
         for begin_m in np.arange(0.0, guide.length_m - _GUIDE_DASH_M, 2 * _GUIDE_DASH_M).tolist():
-            yield stroke(cut(guide.points_m, begin_m, begin_m + _GUIDE_DASH_M), _GUIDE_WIDTH_M)
+            yield stroke(cut(guide, begin_m, begin_m + _GUIDE_DASH_M), _GUIDE_WIDTH_M)
     for mark in road_map.road_marks:
         yield from _arrow(mark)
     for area in road_map.painted_areas:
@@ -136,12 +136,11 @@ def stroke(line_m: FloatArray, width_m: float) -> shapely.Polygon:
     return shapely.Polygon(np.vstack([right, left[::-1]])[:, :2])
 
 
-def cut(line_m: FloatArray, begin_m: float, end_m: float) -> FloatArray:
-    """The part of a line (N, 3) between two lengths along it, measured on the ground plane."""
-    reached = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line_m[:, :2], axis=0), axis=1))])
+def cut(line: Line, begin_m: float, end_m: float) -> FloatArray:
+    """The part (N, 3) of a line between two lengths along it, measured on the ground plane."""
+    reached = line.reached_m
     inside = reached[(reached > begin_m + 1e-6) & (reached < end_m - 1e-6)]
-    along = np.concatenate([[begin_m], inside, [end_m]])
-    return np.column_stack([np.interp(along, reached, line_m[:, axis]) for axis in range(3)])
+    return line.places_m([begin_m, *inside, end_m])
 
 
 def crosswalk_bars(area: PaintedArea) -> Iterator[shapely.Polygon]:
@@ -154,7 +153,7 @@ def crosswalk_bars(area: PaintedArea) -> Iterator[shapely.Polygon]:
     count = max(1, round((right.length_m / _BAR_M + 1) / 2))
     share = np.arange(2 * count).reshape(-1, 2) / (2 * count - 1)  # begin and end of each bar
     for begin, end in share.tolist():
-        near, far = (cut(side.points_m, begin * side.length_m, end * side.length_m)[[0, -1]] for side in (right, left))
+        near, far = (cut(side, begin * side.length_m, end * side.length_m)[[0, -1]] for side in (right, left))
         yield shapely.Polygon(np.array([near[0], near[1], far[1], far[0]])[:, :2])
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from contracts import BoolArray, Camera, FloatArray
 from contracts.truth import CameraTruth, Occlusion, Truth
 from sim.body_shapes import Wardrobe
-from sim.camera_truth import extent, footprint_corners, roof_centres, visible_part
+from sim.camera_truth import Visibility, extent, view_of, visible_part
 from sim.outlines import covered, hull
 from sim.projection import project
 from sim.renderer import Rendered, Still
@@ -39,19 +39,7 @@ def road_camera_truth(camera: Camera, state: Truth, seen: Rendered, wardrobe: Wa
         visible[row], count = visible_part(seen.instances, row, full[row])
         fractions[row] = min(1.0, count / max(1, int(alone.sum())))
         hidden[row] = occlusions(alone, corner, row, state.ids, seen)
-    return CameraTruth(
-        camera=camera.name,
-        index=state.index,
-        time_ns=state.time_ns,
-        visible_fractions=fractions,
-        full_boxes_px=full,
-        visible_boxes_px=visible,
-        footprints_px=project(camera, state.positions_m)[0],
-        roofs_px=project(camera, roof_centres(state))[0],
-        footprint_corners_px=project(camera, footprint_corners(state))[0],
-        hidden_by=tuple(hidden),
-        instances=seen.instances,
-    )
+    return view_of(camera, state, seen, Visibility(fractions, full, visible, tuple(hidden)))
 
 
 def silhouette(outlines_px: Sequence[FloatArray], box_px: FloatArray) -> tuple[BoolArray, tuple[int, int]]:

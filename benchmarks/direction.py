@@ -14,8 +14,9 @@ import numpy as np
 
 from bench.matching import gate_m
 from bench.recording import Manifest, RecordedStep, Recording
-from bench.scores import Score, table, to_json
+from bench.scores import Score
 from bench.scoring.direction import direction_scores
+from benchmarks.command import show
 from contracts import GroundTracks
 from contracts.truth import Truth
 from georef.motion import WindowAnalyst
@@ -33,12 +34,7 @@ def main() -> None:
     names = given.scenarios or [name for name in list_scenarios() if load_scenario(name).world == "rail"]
     truths = {name: [step.truth for step in build_world(load_scenario(name), film=False).steps()] for name in names}
     scores = [score for noise_m in NOISES_M for score in measured(list(truths.values()), noise_m)]
-    if given.json:
-        print(to_json(scores))
-    else:
-        from rich.console import Console
-
-        Console().print(table(scores, title=f"{len(names)} scenarios"))
+    show(scores, title=f"{len(names)} scenarios", json=given.json)
 
 
 def measured(runs: Sequence[Sequence[Truth]], noise_m: float) -> Iterator[Score]:

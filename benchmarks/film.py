@@ -14,7 +14,8 @@ from itertools import pairwise
 import mujoco
 import numpy as np
 
-from bench.scores import Score, table, to_json
+from bench.scores import Score
+from benchmarks.command import show
 from benchmarks.film_states import SEED, SIZES, random_state, random_switches, setting
 from contracts.truth import Truth
 from sim.crew import FilmSpec, film
@@ -106,12 +107,7 @@ def main() -> None:
     scores = [score for size in SIZES for score in measure(size)]
     if arguments.endurance:
         scores += endure(arguments.endurance)
-    if arguments.json:
-        print(to_json(scores))
-    else:
-        from rich.console import Console
-
-        Console().print(table(scores, title="film"))
+    show(scores, title="film", json=arguments.json)
 
 
 if __name__ == "__main__":

@@ -18,8 +18,9 @@ import cv2
 import numpy as np
 
 from bench.oracles import true_camera
-from bench.scores import Score, table, to_json
+from bench.scores import Score
 from bench.wiring import Stages
+from benchmarks.command import show
 from benchmarks.film_states import SEED, SIZES, random_state, setting
 from contracts import BoolArray, Camera, FloatArray, ImageArray
 from contracts.truth import Truth
@@ -232,12 +233,7 @@ def main() -> None:
     for shift in sorted(shifts, key=lambda shift: -shift.distance_m)[: arguments.worst]:
         print(shift, file=sys.stderr)
     scores = scores_of(differences, shifts)
-    if arguments.json:
-        print(to_json(scores))
-    else:
-        from rich.console import Console
-
-        Console().print(table(scores, title="film agreement"))
+    show(scores, title="film agreement", json=arguments.json)
 
 
 if __name__ == "__main__":

@@ -7,7 +7,6 @@ time is the processor's, the least of some repetitions; where a detector places 
 ours gives the roof's centre, the textbook's the middle of a rectangle round roof, walls and what the disc smeared.
 """
 
-import argparse
 import time
 from collections.abc import Callable, Sequence
 from itertools import islice
@@ -15,7 +14,8 @@ from itertools import islice
 import cv2
 import numpy as np
 
-from bench.scores import Score, table, to_json
+from bench.scores import Score
+from benchmarks.command import run
 from contracts import Camera, FloatArray, Frame
 from contracts.truth import Truth
 from perception.colour_models import SHIPPED, ColourModel, ColourModels
@@ -139,19 +139,5 @@ def measure(frames: int) -> list[Score]:
     return scores
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--json", action="store_true")
-    parser.add_argument("--frames", type=int, default=25)
-    arguments = parser.parse_args()
-    scores = measure(arguments.frames)
-    if arguments.json:
-        print(to_json(scores))
-    else:
-        from rich.console import Console
-
-        Console().print(table(scores, title="hbp"))
-
-
 if __name__ == "__main__":
-    main()
+    run("hbp", __doc__, measure, frames=25)

@@ -5,7 +5,6 @@
 interleaved, on the same frames.
 """
 
-import argparse
 import multiprocessing
 import time
 from collections.abc import Callable, Sequence
@@ -13,7 +12,8 @@ from itertools import islice
 
 import cv2
 
-from bench.scores import Score, table, to_json
+from bench.scores import Score
+from benchmarks.command import run
 from contracts import Camera, Frame, Perceiver
 from perception.hbp import HistogramBackProjection
 from perception.hybrid import HybridTracker
@@ -101,19 +101,5 @@ def measure(frames: int) -> list[Score]:
     return [*scores, Score("hybrid.fps_6_cameras_two_processes", fps, "1/s", len(shots), True)]
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--json", action="store_true")
-    parser.add_argument("--frames", type=int, default=250)
-    arguments = parser.parse_args()
-    scores = measure(arguments.frames)
-    if arguments.json:
-        print(to_json(scores))
-    else:
-        from rich.console import Console
-
-        Console().print(table(scores, title="hybrid"))
-
-
 if __name__ == "__main__":
-    main()
+    run("hybrid", __doc__, measure, frames=250)

@@ -9,7 +9,6 @@ kept from giving up. OpenCV 5.0's raw-grey setting fails with an error of its ow
 not valid, and the headline ratios are those to contrib's default.
 """
 
-import argparse
 import json
 import os
 import subprocess
@@ -25,7 +24,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from bench.scores import Score, table, to_json
+from bench.scores import Score
+from benchmarks.command import run
 from contracts import Camera, Detections, FloatArray, Frame, ImageArray
 from perception.filter_tracker import FilterTracker
 from perception.kcf import CorrelationTracker, Features, KcfSettings
@@ -226,25 +226,15 @@ def by_region(film: Film) -> list[Score]:
     return scores
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--json", action="store_true")
-    parser.add_argument("--frames", type=int, default=150)
-    arguments = parser.parse_args()
+def measure(frames: int) -> list[Score]:
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):  # of the process that is about to be started
         os.environ[name] = "1"
     cv2.setNumThreads(1)
-    film = shoot(arguments.frames)
+    film = shoot(frames)
     if not film.stretches:
         sys.exit(f"no vehicle is whole for {LEAST_FRAMES} frames: give more --frames")
-    scores = [*against_contrib(film), *by_region(film)]
-    if arguments.json:
-        print(to_json(scores))
-    else:
-        from rich.console import Console
-
-        Console().print(table(scores, title="kcf"))
+    return [*against_contrib(film), *by_region(film)]
 
 
 if __name__ == "__main__":
-    main()
+    run("kcf", __doc__, measure, frames=150)

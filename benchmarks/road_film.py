@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.scores import Score, table, to_json
+from bench.scores import Score
+from benchmarks.command import show
 from contracts import Camera
 from contracts.truth import Truth
 from scenarios.loader import load_scenario
@@ -95,12 +96,7 @@ def main() -> None:
     arguments = parser.parse_args()
     stage = Stage.of(arguments.scenario)
     scores = [score for light in ROAD_LIGHTS for weather in Weather for score in measure(stage, light, weather)]
-    if arguments.json:
-        print(to_json(scores))
-    else:
-        from rich.console import Console
-
-        Console().print(table(scores, title="road film"))
+    show(scores, title="road film", json=arguments.json)
 
 
 if __name__ == "__main__":

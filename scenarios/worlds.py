@@ -6,6 +6,7 @@ from scenarios.check import plant_of
 from scenarios.network_file import load_network, routes_of
 from scenarios.rig_file import load_rig
 from scenarios.schema import RailScenario, RoadScenario, Scenario
+from sim.filmed_world import Filming
 from sim.light_program import LightProgram
 from sim.rail_motion import RailMotion
 from sim.rail_world import RailWorld
@@ -31,40 +32,19 @@ def build_world(
     workers: processes that share the cameras; the frames are the same for any number.
     renderer: ``layered``, or ``full``, its slow oracle.
     """
+    assert isinstance(scenario, RailScenario | RoadScenario)
     seed = scenario.seed if seed is None else seed
+    filming = Filming(
+        load_rig(scenario.rig), seed, noise_seed, film=film, workers=workers, renderer=renderer, sensor=scenario.sensor
+    )
+    light = LightProgram(scenario.light, scenario.light_change)
     if isinstance(scenario, RoadScenario):
         network = load_network(scenario.network)
-        motion = TrafficMotion(network, routes_of(network), scenario.traffic, seed)
-        return RoadWorld(
-            network,
-            motion,
-            scenario.frame_times_ns,
-            rig=load_rig(scenario.rig),
-            light=LightProgram(scenario.light, scenario.light_change),
-            weather=scenario.weather,
-            seed=seed,
-            noise_seed=noise_seed,
-            film=film,
-            workers=workers,
-            renderer=renderer,
-            sensor=scenario.sensor,
-        )
-    assert isinstance(scenario, RailScenario)
+        traffic = TrafficMotion(network, routes_of(network), scenario.traffic, seed)
+        return RoadWorld(network, traffic, scenario.frame_times_ns, filming, light=light, weather=scenario.weather)
     plant = plant_of(scenario.plant)
-    return RailWorld(
-        plant,
-        RailMotion(plant, scenario.motion, seed),
-        scenario.frame_times_ns,
-        rig=load_rig(scenario.rig),
-        light=LightProgram(scenario.light, scenario.light_change),
-        seed=seed,
-        noise_seed=noise_seed,
-        film=film,
-        workers=workers,
-        renderer=renderer,
-        surroundings=scenario.surroundings,
-        sensor=scenario.sensor,
-    )
+    motion = RailMotion(plant, scenario.motion, seed)
+    return RailWorld(plant, motion, scenario.frame_times_ns, filming, light=light, surroundings=scenario.surroundings)
 
 
 def maps_of(scenario: RoadScenario) -> tuple[HdMap, HdMap]:

@@ -11,6 +11,7 @@ from film_cases import state
 from contracts import InputError, Intrinsics
 from scenarios.plant_file import load_plant
 from sim.film import CameraFilm, advanced
+from sim.filmed_world import Filming
 from sim.lens import Lens
 from sim.lights import RAIL_LIGHTS, ROAD_LIGHTS
 from sim.rail_world import RailWorld
@@ -39,8 +40,8 @@ class Straight:
 
 
 def world(**changes) -> RailWorld:
-    settings = {"rig": RIG, "light": "sunny", "seed": 3, **changes}
-    return RailWorld(load_plant("oval"), Straight(), TIMES_NS, **settings)
+    light = changes.pop("light", "sunny")
+    return RailWorld(load_plant("oval"), Straight(), TIMES_NS, Filming(RIG, **{"seed": 3, **changes}), light=light)
 
 
 def images(filmed: RailWorld) -> list[np.ndarray]:

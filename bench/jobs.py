@@ -92,8 +92,10 @@ def run_scenario(
     shown = _with_progress(itertools.chain([first], steps), scenario.name, total=len(world), quiet=quiet)
     cameras = [each.camera for each in calibrated]
     perception = make_perception(stages, cameras, world.survey.centrelines_m)
-    ground = MapGround.of(maps_of(_seeded(scenario, seed))[1]) if isinstance(scenario, RoadScenario) else None
-    chain = make_chain(stages, perception, calibrated, one_per_label=ground is None, ground=ground)
+    ground = None
+    if stages.locator == ON_MAP and isinstance(scenario, RoadScenario):
+        ground = MapGround.of(maps_of(_seeded(scenario, seed))[1])
+    chain = make_chain(stages, perception, calibrated, one_per_label=scenario.world == "rail", ground=ground)
     _record(shown, manifest, chain, directory, keep_frames=keep_frames, sample_every=len(world) // SAMPLES + 1)
     return rescore(directory, scenario)
 

@@ -55,7 +55,7 @@ PERCEIVERS: dict[str, Callable[[ColourModels, Camera, Lines], Perceiver]] = {
     "mosse": lambda models, camera, _: FilterTracker(HistogramBackProjection(models, camera), MosseFilter),
 }
 LOCATORS = {"ray": RayPlaneLocator, "plane0": GroundPlaneLocator}
-ON_MAP = "map"  # the locator that needs one
+USUAL, ON_MAP = "ray", "map"  # the locator where none is named, and the one that needs a map
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ class Stages:
             return {"locator": "oracle", "analyst": self.analyst or "window"}
         own = f"map, {self.calibrator}" if self.calibrator else "checkerboard and control points"
         calibrator = "oracle" if "calibrate" in self.oracles else own
-        places = {"calibrator": calibrator, "locator": self.locator or "ray", "fuser": "covariance"}
+        places = {"calibrator": calibrator, "locator": self.locator or USUAL, "fuser": "covariance"}
         return {**self._eyes(), **places, "analyst": self.analyst or "window"}
 
     def _eyes(self) -> dict[str, str]:
@@ -239,7 +239,7 @@ def make_chain(
     if not stages.needs_film:
         fuse = CovarianceFuser().fuse
         return Chain(perceive=perceive, locate=oracles.TrueLocation().locate, fuse=fuse, analyse=analyse)
-    locator = _locator(stages.locator or "ray", {calibrated.camera.name: calibrated for calibrated in cameras}, ground)
+    locator = _locator(stages.locator or USUAL, {calibrated.camera.name: calibrated for calibrated in cameras}, ground)
 
     def locate(_: Step, tracks: tuple[Tracks, ...]) -> tuple[GroundTracks, ...]:
         return tuple(locator.locate(each) for each in tracks)

@@ -51,8 +51,8 @@ def view(camera: Camera, farthest_m: float) -> BaseGeometry:
 
     The image's border is carried to the ground; where it looks farther or into the sky, the circle takes its place.
     """
-    if not farthest_m > 0:
-        raise InputError(f"the farthest distance {farthest_m} m must be positive")
+    if not 0 < farthest_m < np.inf:
+        raise InputError(f"the farthest distance {farthest_m} m must be positive and finite")
     border = _border(camera)
     directions, known = rays(camera, border)
     directions = directions[known]

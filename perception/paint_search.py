@@ -49,7 +49,7 @@ def directions(
     step = turn_rad / _TURNS
 
     def share(k1: float, turn: FloatArray, slack_px: FloatArray) -> float:
-        return _share(smooth, turned(nominal, turn, k1), wanted, slack_px)
+        return _share(smooth, _turned(nominal, turn, k1), wanted, slack_px)
 
     rough = [(share(k1, turn, _ROUGH_PX), k1, turn) for k1 in _LENSES for turn in _grid(_TURNS) * step]
     chosen: list[tuple[float, FloatArray]] = []
@@ -62,11 +62,11 @@ def directions(
             near = [(best[0] + bend * finer, best[1] + shift * finer * step) for bend in _BENDS for shift in _grid(1)]
             best = max(near, key=lambda each: share(each[0], each[1], _FINE_PX))  # noqa: PLW2901
         k1, turn = best
-        found.append((share(k1, turn, _FINE_PX), turned(nominal, turn, k1)))
+        found.append((share(k1, turn, _FINE_PX), _turned(nominal, turn, k1)))
     return [camera for _, camera in sorted(found, key=lambda one: -one[0])]
 
 
-def turned(camera: Camera, turn: FloatArray, k1: float) -> Camera:
+def _turned(camera: Camera, turn: FloatArray, k1: float) -> Camera:
     """``turn``: a rotation vector (3,) in the camera's own axes."""
     rotation = camera.pose.world_from_camera @ Rotation.from_rotvec(turn).as_matrix()
     lens = replace(camera.intrinsics, distortion=np.array([k1, 0.0, 0.0, 0.0, 0.0]))

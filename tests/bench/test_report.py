@@ -47,6 +47,13 @@ def test_oracles_are_named_loudly(tmp_path):
     assert "calibrate" in page_of(written(tmp_path / "run", (cheated, frames)))
 
 
+@pytest.mark.parametrize(("scenario", "judged"), [("oval-two-vehicles", True), ("crossroads-day", False)])
+def test_expectations_are_judged_only_where_the_scenario_has_any(tmp_path, scenario, judged):
+    recording, frames = filmless_run()
+    named = replace(recording, manifest=replace(recording.manifest, scenario=scenario))
+    assert ('class="verdict' in page_of(written(tmp_path / "run", (named, frames)))) is judged
+
+
 def test_a_title_cannot_smuggle_markup_into_the_page(tmp_path):
     recording, frames = filmless_run()
     sly = replace(recording, manifest=replace(recording.manifest, title="<script>alert(1)</script>"))

@@ -67,6 +67,7 @@ def test_pixels_pass_from_camera_to_camera_over_the_ground():
     ("call", "message"),
     [
         (lambda: view(pole(), 0.0), "must be positive"),
+        (lambda: view(pole(), np.inf), "must be positive and finite"),
         (lambda: blind_spots([pole()], shapely.Polygon(), 60.0), "no valid polygon"),
     ],
 )

@@ -1,7 +1,7 @@
 """Location on a road that climbs: the ground's height from the map, and rays that meet it.
 
-A ray meets the ground where it meets the horizontal plane of the height that the ground has there: a fixed point, which
-is approached from the height under the camera. It converges where the ground climbs less than the ray falls.
+A ray is followed from the camera until it first dips beneath the ground, and the last step is halved until the place is
+exact: what is seen is what the ray meets first, however flat it meets it.
 """
 
 from collections.abc import Mapping
@@ -9,13 +9,14 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 
-from contracts import Camera, FloatArray, GroundTracks, InputError, Tracks
+from contracts import Camera, FloatArray, GroundTracks, InputError, IntArray, Tracks
 from georef.calibrated import CalibratedCamera
 from georef.hd_map import HdMap, Line
 from georef.location import Placement, RayPlaneLocator, place
+from georef.projection import rays
 
 _STEP_M, _SLOPE_OVER_M = 2.0, 0.5
-_ROUNDS, _SETTLED_M = 60, 1e-7
+_FARTHEST_M, _STRIDE_M, _HALVINGS = 500.0, 2.0, 40  # the last is exact to a nanometre
 
 
 class MapGround:
@@ -66,28 +67,51 @@ class MapGround:
 def place_on_ground(camera: Camera, pixels: FloatArray, above_m: FloatArray, ground: MapGround) -> Placement:
     """Where the rays through ``pixels`` (N, 2) are ``above_m`` (N,) metres over the ground; with derivatives.
 
-    A ray that does not settle, because the ground climbs towards it as fast as it falls, is not valid. With p(h) the
-    place on the plane of height h and g the slope, dp = (I - dp/dh g^T)^-1 of what it is on that plane.
+    A ray that meets nothing within 500 m is not valid. With p(h) the place on the plane of height h and g the ground's
+    slope, dp = (I - dp/dh g^T)^-1 of what it is on that plane.
     """
     here = camera.pose.position_m
-    heights = np.full(len(pixels), float(ground.heights_m(here[None, :2])[0])) + above_m
-    for _ in range(_ROUNDS):
-        placed = place(camera, pixels, heights)
-        found = ground.heights_m(placed.positions_m) + above_m
-        moved = np.abs(found - heights)
-        heights = np.where(np.isfinite(found), found, heights)
-        if not (moved > _SETTLED_M).any():
-            break
-    settled = placed.valid & (np.nan_to_num(moved, nan=np.inf) <= _SETTLED_M)
-    by_height = (placed.positions_m - here[:2]) / (heights - here[2])[:, None]
-    turn = np.eye(2) - by_height[:, :, None] * ground.slopes(placed.positions_m)[:, None, :]
-    turn = np.linalg.inv(np.where(settled[:, None, None], turn, np.eye(2)))
+    met = _met(camera, pixels, above_m, ground)
+    heights = ground.heights_m(met) + above_m
+    placed = place(camera, pixels, np.where(np.isfinite(heights), heights, here[2]))
+    valid = placed.valid & np.isfinite(heights)
+    by_height = (met - here[:2]) / (heights - here[2])[:, None]
+    turn = np.eye(2) - by_height[:, :, None] * ground.slopes(met)[:, None, :]
+    turn = np.linalg.inv(np.where(valid[:, None, None], turn, np.eye(2)))
     return Placement(
-        np.where(settled[:, None], placed.positions_m, np.nan),
-        settled,
-        np.where(settled[:, None, None], turn @ placed.by_pixel, np.nan),
-        np.where(settled[:, None, None], turn @ placed.by_parameters, np.nan),
+        np.where(valid[:, None], met, np.nan),
+        valid,
+        np.where(valid[:, None, None], turn @ placed.by_pixel, np.nan),
+        np.where(valid[:, None, None], turn @ placed.by_parameters, np.nan),
     )
+
+
+def _met(camera: Camera, pixels: FloatArray, above_m: FloatArray, ground: MapGround) -> FloatArray:
+    """Positions (N, 2) where the rays first come down to ``above_m`` over the ground; NaN where they do not."""
+    here = camera.pose.position_m
+    directions, known = rays(camera, pixels)
+    flat = np.maximum(np.linalg.norm(directions[:, :2], axis=1), 1e-12)  # straight down counts as hardly sideways
+
+    def over(reach_m: FloatArray, rows: IntArray) -> FloatArray:
+        """How far (R, S) the rays of ``rows`` (R,) are above what they should meet, at distances (R, S) over ground."""
+        along = reach_m / flat[rows, None]
+        positions = here[:2] + along[..., None] * directions[rows, None, :2]
+        heights = ground.heights_m(positions.reshape(-1, 2)).reshape(along.shape)
+        return np.asarray(here[2] + along * directions[rows, None, 2] - heights - above_m[rows, None])
+
+    met = np.full((len(pixels), 2), np.nan)
+    rows = np.flatnonzero(known)
+    strides = np.arange(0.0, _FARTHEST_M + _STRIDE_M, _STRIDE_M)
+    beneath = over(np.broadcast_to(strides, (len(rows), len(strides))), rows) <= 0.0
+    kept = beneath.any(axis=1) & ~beneath[:, 0]
+    rows, last = rows[kept], beneath[kept].argmax(axis=1)
+    near, far = strides[last - 1], strides[last]
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (near + far)
+        is_beneath = over(middle[:, None], rows)[:, 0] <= 0.0
+        near, far = np.where(is_beneath, near, middle), np.where(is_beneath, middle, far)
+    met[rows] = here[:2] + (far / flat[rows])[:, None] * directions[rows, :2]
+    return met
 
 
 class MapGroundLocator(RayPlaneLocator):

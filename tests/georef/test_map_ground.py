@@ -53,6 +53,32 @@ def test_what_is_imaged_on_a_tilted_plane_is_found_there(east, north, above):
         assert np.allclose(found.positions_m, place[:, :2], rtol=0, atol=1e-5)
 
 
+@pytest.mark.parametrize("share", [0.5, 0.9, 0.98])
+def test_a_ray_meets_ground_that_climbs_almost_as_fast_as_it_falls(share):
+    """Heights taken by turns from the ground and the ray would swing for ever; the place is seen all the same."""
+    eye = CAMERA.pose.position_m
+    place = np.array([30.0, 30.0])
+    reach = float(np.linalg.norm(place - eye[:2]))
+    slope = share * float(eye[2]) / (reach * (1.0 + share))  # the ray falls by eye[2] / (reach * (1 + share)) a metre
+    towards = (place - eye[:2]) / reach
+
+    def climbing(places):
+        return slope * ((places - eye[:2]) @ towards)
+
+    ground = MapGround.of(lanes(climbing))
+    seen = np.array([[*place, float(climbing(place))]])
+    pixels, valid = project(replace(CAMERA, pose=Pose(look_down(80.0, 45.0), eye)), seen)
+    assert valid[0]
+    found = place_on_ground(replace(CAMERA, pose=Pose(look_down(80.0, 45.0), eye)), pixels, np.zeros(1), ground)
+    assert np.allclose(found.positions_m, seen[:, :2], rtol=0, atol=1e-5)
+
+
+def test_straight_down_is_below_the_camera():
+    camera = replace(CAMERA, pose=Pose(np.diag([1.0, -1.0, -1.0]), CAMERA.pose.position_m))
+    found = place_on_ground(camera, np.array([[640.0, 360.0]]), np.zeros(1), MapGround.of(lanes(tilted)))
+    assert np.allclose(found.positions_m, camera.pose.position_m[None, :2], rtol=0, atol=1e-9)
+
+
 def test_on_the_network_s_grade_every_lane_is_found_where_it_is():
     ground = MapGround.of(GRADE)
     assert not ground.is_level

@@ -66,8 +66,12 @@ def run_scenario(
     """Simulate, film, see, locate, record and score one scenario into ``directory``.
 
     seed: instead of the scenario's own. noise_seed: of the sensors alone; nothing else changes with it.
+    Raises InputError for a stage, a seed or a directory that cannot serve.
     """
     stages = _checked_stages(scenario, stages)
+    for name, chosen in (("--seed", seed), ("--noise-seed", noise_seed)):
+        if chosen is not None and chosen < 0:
+            raise InputError(f"{name} {chosen} must not be negative")
     workers = os.cpu_count() or 1
     world = build_world(
         scenario,
@@ -209,10 +213,15 @@ def _record(
 @contextmanager
 def _whole_or_nothing(directory: Path) -> Iterator[Path]:
     """A directory beside ``directory`` that takes its place when the block ends well, and vanishes when it does not."""
+    if directory.exists() and not directory.is_dir():
+        raise InputError(f"{directory} is a file: choose another --out")
     if directory.exists() and not (directory / RECORDING_NAME).exists() and any(directory.iterdir()):
         raise InputError(f"{directory} exists and is no run: choose another --out")
-    directory.parent.mkdir(parents=True, exist_ok=True)
-    partial = Path(tempfile.mkdtemp(prefix=f".{directory.name}-", dir=directory.parent))
+    try:
+        directory.parent.mkdir(parents=True, exist_ok=True)
+        partial = Path(tempfile.mkdtemp(prefix=f".{directory.name}-", dir=directory.parent))
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be written: {error.strerror}") from error
     try:
         yield partial
         shutil.rmtree(directory, ignore_errors=True)

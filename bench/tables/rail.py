@@ -26,7 +26,7 @@ from bench.tables.written import write_parts
 from bench.wiring import TABLE_DETECTORS, TABLE_REGIONS, TABLE_TRACKERS, Stages
 from contracts import FloatArray, InputError
 from scenarios.loader import list_scenarios, load_scenario
-from scenarios.schema import Scenario
+from scenarios.schema import RailScenario, Scenario
 
 TITLE = "Paper R's tables, remade"
 DETECTORS_EVERY = 5  # steps: detectors have no memory, and some of them are slow
@@ -93,21 +93,29 @@ def _detectors(stages: Stages, shown: Film) -> dict[str, OutlineDetector]:
     return detectors
 
 
-def sequences(names: Sequence[str], split: str | None = None) -> list[Scenario]:
+def sequences(names: Sequence[str], split: str | None = None) -> list[RailScenario]:
     """The scenarios of these names, or, where none is given, all of the library that are marked with ``split``.
 
     split: ``"test"`` where neither names nor a split are given.
-    Raises InputError if both are given, or if no scenario has that mark.
+    Raises InputError if both are given, if no scenario of the rail has that mark, or for one of the road.
     """
     if names and split:
         raise InputError(f"--split {split} chooses scenarios by itself: name none beside it")
     if names:
-        return [load_scenario(name) for name in names]
+        return [_of_the_rail(name) for name in names]
     wanted = split or "test"
-    chosen = [scenario for scenario in map(load_scenario, list_scenarios()) if scenario.split == wanted]
+    library = [load_scenario(name) for name in list_scenarios()]
+    chosen = [one for one in library if isinstance(one, RailScenario) and one.split == wanted]
     if not chosen:
         raise InputError(f'no scenario of the library has split = "{wanted}"')
     return chosen
+
+
+def _of_the_rail(name: str) -> RailScenario:
+    scenario = load_scenario(name)
+    if not isinstance(scenario, RailScenario):
+        raise InputError(f"{name} is no scenario of the rail")
+    return scenario
 
 
 def evaluate(scenarios: Sequence[Scenario], *, frames: int | None = None, quiet: bool = False) -> Evaluation:

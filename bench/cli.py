@@ -121,6 +121,10 @@ def run(
     )
     if bool(scenarios) == bool(video) or bool(video) != bool(camera):
         raise InputError("run takes either scenarios, or --video FILE together with --camera CAM.yaml")
+    if video:
+        _refuse("footage is what it is: leave {} away", seed=seed, noise_seed=noise_seed, calibrator=calibrator)
+    else:
+        _refuse("a scenario says its own frames per second: leave {} away", fps=fps)
     outcomes = []
     if video and camera:
         outcomes.append(
@@ -299,6 +303,15 @@ def map_(
     _, owners_map = maps_of(chosen)
     write_map(out, owners_map)
     print(out)
+
+
+def _refuse(reason: str, **options: object) -> None:
+    """Raise InputError for the first of ``options`` that was given, named in ``reason`` as the command line says it."""
+    from contracts import InputError
+
+    for name, value in options.items():
+        if value is not None:
+            raise InputError(reason.format(f"--{name.replace('_', '-')} {value}"))
 
 
 def _show_tables(parts: "Sequence[Part]", out: Path, *, json: bool) -> None:

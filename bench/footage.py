@@ -30,16 +30,23 @@ class Footage:
         self._camera = camera
         if not self._path.exists():
             raise InputError(f"{self._path} does not exist; footage is a video file or a folder of images")
-        own = _video_fps(self._path) if not self._files() else None
-        self.fps = fps or own or (1.0 if self._path.is_file() else 0.0)
+        if fps is not None and not (np.isfinite(fps) and fps > 0):
+            raise InputError(f"--fps {fps:g} is no number of frames per second: it must be positive")
+        self.fps = self._own_fps() if fps is None else fps
         if not (np.isfinite(self.fps) and self.fps > 0):
-            raise InputError(f"{self._path} does not say how many frames it has per second; give that number")
+            raise InputError(f"{self._path} does not say how many frames it has per second: give --fps")
         next(self.steps())  # read the first frame, so that wrong footage is refused before anything is made from it
 
     def steps(self) -> Iterator[Step]:
         """One step per frame, from the start; the same each time."""
         for index, (name, image) in enumerate(self._images()):
             yield Step((self._frame(index, name, image),), None)
+
+    def _own_fps(self) -> float:
+        """What a video says of itself; 1 for a single image, 0 for a folder, which does not say."""
+        if self._files():
+            return 1.0 if self._path.is_file() else 0.0
+        return _video_fps(self._path)
 
     def _images(self) -> Iterator[tuple[str, Any]]:
         files = self._files()

@@ -63,7 +63,8 @@ class Stages:
     """Which implementation serves each stage: None for the bench's own, or a path such as ``my_pkg.mod:Mine``.
 
     detector: also one of ``DETECTORS``; it searches every frame.
-    perceiver: replaces detector and tracker; also one of ``PERCEIVERS``, whose first one serves where nothing is given.
+    perceiver: detector and tracker in one, so that neither may stand beside it; also one of ``PERCEIVERS``, whose first
+        one serves where nothing is given.
     model: file of colour models for the bench's own detector.
     locator: ``ray`` meets the plane at the anchor's height; ``map``, the road's own, the ground of its map;
         ``plane0`` is the naive projection to z = 0.
@@ -92,6 +93,16 @@ class Stages:
             raise InputError(f"--locator {self.locator}: no such locator, choose from {', '.join(known)}")
         if self.renderer not in list(RendererName):
             raise InputError(f"--renderer {self.renderer}: no such renderer, choose from {', '.join(RendererName)}")
+        self._check_eyes()
+
+    def _check_eyes(self) -> None:
+        """What would never be asked is refused: what an oracle or a perceiver stands in for."""
+        given = {"--perceiver": self.perceiver, "--detector": self.detector, "--tracker": self.tracker}
+        named = [f"{option} {name}" for option, name in given.items() if name]
+        if named and "detect" in self.oracles:
+            raise InputError(f"--oracle detect stands for {named[0]}: give one of them")
+        if self.perceiver and len(named) > 1:
+            raise InputError(f"{named[0]} is detector and tracker in one: leave {' and '.join(named[1:])} away")
 
     @property
     def needs_film(self) -> bool:

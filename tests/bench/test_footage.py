@@ -70,6 +70,13 @@ def test_one_image_is_one_step(folder):
     assert step.frames[0].time_ns == 0
 
 
+@pytest.mark.parametrize("name", ["street.avi", "a.png"])
+def test_a_rate_of_nothing_is_refused_where_the_footage_says_its_own(video, name):
+    cv2.imwrite(str(video.with_name("a.png")), picture(40))
+    with pytest.raises(InputError, match="--fps 0 is no number"):
+        Footage(video.with_name(name), CAMERA, fps=0.0)
+
+
 def test_a_told_frame_rate_goes_before_the_video_s_own(video):
     assert [step.frames[0].time_ns for step in Footage(video, CAMERA, fps=1.0).steps()] == [0, 10**9, 2 * 10**9]
 
@@ -102,7 +109,7 @@ def test_frames_of_another_size_are_refused(folder):
         Footage(folder, CAMERA, fps=4.0)
 
 
-@pytest.mark.parametrize("fps", [-1.0, float("nan"), float("inf")])
+@pytest.mark.parametrize("fps", [0.0, -1.0, float("nan"), float("inf")])
 def test_an_impossible_frame_rate_is_refused(folder, fps):
-    with pytest.raises(InputError, match="frames it has per second"):
+    with pytest.raises(InputError, match=f"--fps {fps:g} is no number of frames per second"):
         Footage(folder, CAMERA, fps=fps)

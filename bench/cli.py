@@ -1,11 +1,14 @@
 """The command ``gantry``. Heavy imports stay inside the commands, so that ``gantry --help`` answers at once.
 
-Exit status: 0 fine, 1 an expectation failed or two runs differ, 2 wrong input (one sentence, no traceback).
+Exit status: 0 fine, 1 an expectation failed or two runs differ, 2 wrong input (one sentence, no traceback), 128 and
+the signal's number when stopped from outside: 130 by Ctrl-C.
 """
 
+import signal
 import sys
 from enum import StrEnum
 from pathlib import Path
+from types import FrameType
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -22,6 +25,7 @@ if TYPE_CHECKING:
 
 EXPECTATION_FAILED = 1
 WRONG_INPUT = 2
+_STOPPING = (signal.SIGINT, signal.SIGTERM)
 
 app = typer.Typer(
     help="A test bench for overhead cameras: simulate, film, see, locate, and score against exact truth.",
@@ -339,10 +343,27 @@ def _all_scores(outcomes: "Sequence[Outcome]") -> "list[Score]":
     ]
 
 
+class Stopped(SystemExit):
+    """The command was told to end by a signal, whose number is on top of 128 in the exit status."""
+
+
+def _stop(number: int, _: FrameType | None) -> None:
+    """End as an error would, so that what is half-made is cleared away; another signal must not disturb that."""
+    for each in _STOPPING:
+        signal.signal(each, signal.SIG_IGN)
+    raise Stopped(128 + number)
+
+
 def main() -> None:
-    """Entry point: an error that Gantry raises on purpose is one sentence and exit status 2."""
+    """Entry point: an error that Gantry raises on purpose, or a stop from outside, is one sentence and no traceback."""
+    for number in _STOPPING:
+        if signal.getsignal(number) is not signal.SIG_IGN:  # as a shell does for what runs in the background
+            signal.signal(number, _stop)
     try:
         app()
     except GantryError as error:
         print(f"gantry: {error}", file=sys.stderr)
         sys.exit(WRONG_INPUT)
+    except Stopped:
+        print("gantry: stopped before the end", file=sys.stderr)
+        raise

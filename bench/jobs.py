@@ -2,8 +2,8 @@
 
 import itertools
 import os
+import secrets
 import shutil
-import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -218,8 +218,8 @@ def _whole_or_nothing(directory: Path) -> Iterator[Path]:
     if directory.exists() and not (directory / RECORDING_NAME).exists() and any(directory.iterdir()):
         raise InputError(f"{directory} exists and is no run: choose another --out")
     try:
-        directory.parent.mkdir(parents=True, exist_ok=True)
-        partial = Path(tempfile.mkdtemp(prefix=f".{directory.name}-", dir=directory.parent))
+        partial = directory.with_name(f".{directory.name}-{secrets.token_hex(4)}")
+        partial.mkdir(parents=True)
     except OSError as error:
         raise InputError(f"{directory}: cannot be written: {error.strerror}") from error
     try:

@@ -2,9 +2,12 @@
 
 import multiprocessing
 import os
+import signal
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 
@@ -112,7 +115,8 @@ class _Worker:
         self._pictures = SharedPictures(context, share.cameras, _AHEAD, keep_instances=share.keep_instances)
         self._taken = 0
         self._process: BaseProcess = context.Process(target=_work, args=(share, theirs, self._pictures), daemon=True)
-        self._process.start()
+        with _deaf_to_the_keyboard():
+            self._process.start()
         theirs.close()
 
     def takes(self) -> list[Take]:
@@ -133,6 +137,17 @@ class _Worker:
         self._process.join()
 
 
+@contextmanager
+def _deaf_to_the_keyboard() -> Iterator[None]:
+    """Processes set out here do not hear Ctrl-C, which reaches a whole group: who began the film ends them."""
+    resource_tracker.ensure_running()  # as it starts it would hear the keyboard again, for all
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def _work(share: FilmSpec, outbox: Connection, pictures: SharedPictures) -> None:
     """Film states from ``outbox`` until it closes."""
     os.environ["LP_NUM_THREADS"] = "0"  # one thread for Mesa and one for OpenCV: the processes share the cores
@@ -142,7 +157,7 @@ def _work(share: FilmSpec, outbox: Connection, pictures: SharedPictures) -> None
         while True:
             try:
                 yield outbox.recv()
-            except EOFError:
+            except (EOFError, ConnectionResetError):
                 return
 
     try:

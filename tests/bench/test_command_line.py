@@ -1,8 +1,10 @@
 """The command line: exit statuses, one clear sentence for wrong input, and nothing half-written."""
 
 import json
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -122,6 +124,27 @@ def test_a_run_that_breaks_leaves_the_earlier_one_and_nothing_else(truth_run, mo
     with pytest.raises(RuntimeError):
         run_scenario(load_scenario("oval-one-vehicle"), Stages(oracles=("locate",)), truth_run, quiet=True)
     assert (sorted(path.name for path in truth_run.parent.iterdir()), (truth_run / "run.mcap").read_bytes()) == before
+
+
+@pytest.mark.parametrize("told", [signal.SIGINT, signal.SIGTERM])
+def test_a_run_that_is_stopped_says_so_in_one_line_and_leaves_nothing(tmp_path, told):
+    endless = "import time, bench.jobs, bench.cli; bench.jobs.run = lambda *_: time.sleep(60); bench.cli.main()"
+    command = [sys.executable, "-c", endless, "run", "oval-one-vehicle", "--oracle", "locate", "--json"]
+    with subprocess.Popen(
+        [*command, "--out", str(tmp_path / "run")], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT
+    ) as running:
+        while not list(tmp_path.glob(".run-*/run.mcap.part")) and running.poll() is None:
+            time.sleep(0.05)
+        running.send_signal(told)
+        out, said = running.communicate(timeout=30)
+    assert (running.returncode, out, said) == (128 + told, "", "gantry: stopped before the end\n")
+    assert not list(tmp_path.iterdir())
+
+
+def test_whoever_may_read_a_directory_made_here_may_read_a_run(truth_run, tmp_path):
+    usual = tmp_path / "usual"
+    usual.mkdir()
+    assert truth_run.stat().st_mode == usual.stat().st_mode
 
 
 def test_every_command_is_documented_in_the_readme():

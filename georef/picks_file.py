@@ -33,6 +33,7 @@ _NUMBERS = (
     *("x2_m", "y2_m", "z2_m", "latitude2_deg", "longitude2_deg"),
 )
 COLUMNS = ("name", *_NUMBERS, "feature")
+_BORDER_PX = 1.0  # beyond the image's edge: rounding, and programs that count from elsewhere
 
 
 @dataclass(frozen=True)
@@ -70,11 +71,17 @@ class PicksFile:
     geo: GeoReference | None
 
 
-def read_picks(path: Path | str, *, hd_map: HdMap | None = None, geo: GeoReference | None = None) -> PicksFile:
+def read_picks(
+    path: Path | str,
+    *,
+    hd_map: HdMap | None = None,
+    geo: GeoReference | None = None,
+    size_px: tuple[int, int] | None = None,
+) -> PicksFile:
     """The picks in the table at ``path``.
 
     hd_map: for rows that name a feature. geo: of the local metres; the map's own if there is one, else the first WGS84
-    place of the file is taken as the origin.
+    place of the file is taken as the origin. size_px: width and height of the image in which they must lie.
     Raises InputError naming file, line and column of what is wrong.
     """
     rows = read_table(path, COLUMNS, required=("u_px", "v_px"))
@@ -83,7 +90,7 @@ def read_picks(path: Path | str, *, hd_map: HdMap | None = None, geo: GeoReferen
     names, pixels, places, sigmas = [], [], [], []
     for number, row in enumerate(rows):
         names.append(row.cells.get("name") or row.cells.get("feature") or f"pick {number + 1}")
-        pixels.append([row.required("u_px"), row.required("v_px")])
+        pixels.append(_pixel(row, size_px))
         places.append(_place(row, geo, features))
         sigma = row.number("sigma_m") or 0.0
         if sigma < 0:
@@ -149,6 +156,16 @@ def _first_place(rows: list[_Row]) -> GeoReference | None:
             except InputError as error:
                 raise InputError(f"{row.where}: {error}") from error
     return None
+
+
+def _pixel(row: _Row, size_px: tuple[int, int] | None) -> tuple[float, float]:
+    u_px, v_px = row.required("u_px"), row.required("v_px")
+    if size_px is not None:
+        width, height = size_px
+        beyond = 0.5 + _BORDER_PX
+        if not (-beyond <= u_px <= width - 1 + beyond and -beyond <= v_px <= height - 1 + beyond):
+            raise InputError(f"{row.where}: the pixel {u_px:g}, {v_px:g} lies outside the image of {width}x{height}")
+    return u_px, v_px
 
 
 def _place(row: _Row, geo: GeoReference | None, features: Mapping[str, Feature] | None) -> FloatArray:

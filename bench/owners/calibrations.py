@@ -40,6 +40,8 @@ class Wanted:
     form: str
 
     def __post_init__(self) -> None:
+        if min(self.size_px) <= 0:
+            raise InputError(f"--size {self.size_px[0]}x{self.size_px[1]} must be positive")
         if not (np.isfinite(self.noise_px) and self.noise_px > 0):
             raise InputError(f"--noise-px {self.noise_px} must be positive")
         if self.height_m is not None and not (np.isfinite(self.height_m) and self.height_m > 0):
@@ -99,7 +101,8 @@ def calibrate_from_picks(
     if map_path is not None and origin_deg is not None:
         raise InputError("the map has an origin of its own: leave --origin away")
     hd_map = read_map(map_path) if map_path else None
-    picks = read_picks(table, hd_map=hd_map, geo=GeoReference(*origin_deg) if origin_deg else None)
+    geo = GeoReference(*origin_deg) if origin_deg else None
+    picks = read_picks(table, hd_map=hd_map, geo=geo, size_px=wanted.size_px)
     rng, noise = np.random.default_rng(wanted.seed), Noise(wanted.noise_px)
     found: CalibratedCamera | GroundHomography
     try:

@@ -163,6 +163,8 @@ def gantry_error(*arguments):
         ("u_px,v_px,x_m,y_m\n1,2,3\n", "line 2: has 3 cells, but the header names 4 columns"),
         ("u_px,v_px,x_m,y_m\n1,2,3,\n", "line 2, column y_m: is empty"),
         ("u_px,v_px,x_m,y_m,sigma_m\n1,2,3,4,-1\n", "column sigma_m: -1 must not be negative"),
+        ("u_px,v_px,x_m,y_m\n1,2,3,4\n5000,2,3,4\n", "line 3: the pixel 5000, 2 lies outside the image of 1920x1080"),
+        ("u_px,v_px,x_m,y_m\n1,-2,3,4\n", "line 2: the pixel 1, -2 lies outside the image"),
         ("u_px,v_px,feature\n1,2,lamp\n", 'column feature: "lamp" needs a map'),
         ("u_px,v_px,latitude_deg,longitude_deg\n1,2,127.1,37.4\n", "line 2: the origin 127.1"),
         ("u_px,v_px,x_m,y_m,x2_m,y2_m\n1,2,3,4,3,4\n", "the line's two places are one and the same"),
@@ -184,7 +186,7 @@ def test_what_is_wrong_with_picks_is_named_with_file_line_and_column(tmp_path, t
     ("options", "message"),
     [
         (("--size", "big"), '--size "big" is not two numbers'),
-        (("--size", "0x10"), "0 x 10 px is not positive"),
+        (("--size", "0x10"), "--size 0x10 must be positive"),
         (("--size", "1920x1080", "--noise-px", 0), "--noise-px 0.0 must be positive"),
         (("--size", "1920x1080", "--height-m", -1), "--height-m -1.0 must be positive"),
         (("--size", "1920x1080", "--origin", "here"), '--origin "here" is not two numbers'),
@@ -196,6 +198,14 @@ def test_impossible_options_are_refused(tmp_path, options, message):
     error = gantry_error("calibrate", "camera", picks(tmp_path), *options, "--out", tmp_path / "camera.yaml")
     assert isinstance(error, InputError)
     assert message in str(error)
+
+
+def test_picks_on_the_border_and_a_pixel_beyond_it_are_accepted(tmp_path):
+    file = picks(tmp_path)
+    with file.open("a") as stream:
+        stream.writelines(f"{u},{u},{v},20,0,0\n" for u, v in ((-1, -1), (1920, 1080), (-0.5, 1079.5)))
+    found = told("calibrate", "camera", file, "--size", "1920x1080", "--out", tmp_path / "camera.yaml")
+    assert found["picks"] == SEEN.sum() + 3
 
 
 def test_picks_on_a_line_are_refused_with_the_file_s_name(tmp_path):

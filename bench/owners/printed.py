@@ -6,19 +6,24 @@ from typing import Any
 
 import numpy as np
 
-from bench.owners.calibrations import Calibration
+from bench.owners.calibrations import Calibration, LensFromBoards
 from bench.owners.places import Places
 from contracts import FloatArray
 from georef.ground_homography import GroundHomography
-from georef.intrinsics import IntrinsicCalibration
 
 
-def print_lens(lens: IntrinsicCalibration, out: Path, *, json: bool) -> None:
-    """K, lens, residuals."""
+def print_lens(found: LensFromBoards, out: Path, *, json: bool) -> None:
+    """K, lens, residuals, and the images that were of no use."""
+    lens = found.lens
     k, sigmas = lens.intrinsics, np.sqrt(np.diag(lens.covariance))
     values = [k.fx_px, k.fy_px, k.cx_px, k.cy_px, *k.distortion.tolist()]
     rows = dict(zip(("fx_px", "fy_px", "cx_px", "cy_px", "k1", "k2", "p1", "p2", "k3"), values, strict=True))
-    _print_parameters(rows, sigmas, {"residual_rms_px": lens.residual_rms_px, "views": lens.views}, out, json=json)
+    extra = {
+        "residual_rms_px": lens.residual_rms_px,
+        "views": lens.views,
+        "no_board_found_in": [str(path) for path in found.unused],
+    }
+    _print_parameters(rows, sigmas, extra, out, json=json)
 
 
 def print_calibration(calibration: Calibration, out: Path, *, json: bool) -> None:

@@ -125,7 +125,10 @@ def test_on_the_ground_of_a_map_places_are_as_high_as_its_lines(tmp_path):
     assert "elsewhere.geojson: its metres begin elsewhere" in str(error)
 
 
-def test_a_lens_is_calibrated_from_images_of_a_board(tmp_path):
+@pytest.fixture(scope="module")
+def boards(tmp_path_factory):
+    """Five images of a board of 8 x 5 corners, and after them one without."""
+    directory = tmp_path_factory.mktemp("boards")
     rng, square = np.random.default_rng(3), 60
     board = np.full((8 * square, 11 * square), 255, np.uint8)
     for row in range(6):
@@ -140,12 +143,32 @@ def test_a_lens_is_calibrated_from_images_of_a_board(tmp_path):
         drawn = cv2.warpPerspective(
             board, k @ pose @ centred, (640, 480), flags=cv2.INTER_AREA, borderMode=cv2.BORDER_CONSTANT, borderValue=255
         )
-        files.append(tmp_path / f"{number}.png")
+        files.append(directory / f"{number}.png")
         cv2.imwrite(str(files[-1]), cv2.cvtColor(drawn, cv2.COLOR_GRAY2BGR))
-    found = told("calibrate", "intrinsics", *files, "--board", "8x5:0.06", "--out", tmp_path / "lens.yaml")
+    files.append(directory / "empty.png")
+    cv2.imwrite(str(files[-1]), np.full((480, 640, 3), 90, np.uint8))
+    return files
+
+
+def test_a_lens_is_calibrated_from_images_of_a_board_and_those_without_are_named(boards, tmp_path):
+    found = told("calibrate", "intrinsics", *boards, "--board", "8x5:0.06", "--out", tmp_path / "lens.yaml")
     assert abs(found["parameters"]["fx_px"]["value"] - 900.0) < 15.0
+    assert (found["views"], found["no_board_found_in"]) == (5, [str(boards[-1])])
     with pytest.raises(InputError, match="give the pose either"):
-        raise gantry_error("run", "--video", files[0], "--camera", tmp_path / "lens.yaml")
+        raise gantry_error("run", "--video", boards[0], "--camera", tmp_path / "lens.yaml")
+
+
+def test_boards_too_few_or_of_several_sizes_are_refused_by_name(boards, tmp_path):
+    small, out = tmp_path / "small.png", tmp_path / "lens.yaml"
+    cv2.imwrite(str(small), np.full((240, 320, 3), 90, np.uint8))
+    for files, message in (
+        ([*boards[:2], boards[-1]], r"found in 2 of 3 images, at least 3 are needed; not in .*empty\.png"),
+        (boards[:2], "found in 2 of 2 images, at least 3 are needed; give more"),
+        ([*boards, small], r"small\.png is 320x240, but .*0\.png 640x480"),
+    ):
+        with pytest.raises((CalibrationError, InputError), match=message):
+            raise gantry_error("calibrate", "intrinsics", *files, "--board", "8x5:0.06", "--out", out)
+    assert not out.exists()
 
 
 def gantry_error(*arguments):

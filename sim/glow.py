@@ -4,7 +4,7 @@ A lamp is a spot with a narrow halo, and a wide one in fog, added to the picture
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,10 +17,14 @@ from sim.body_shapes import Wardrobe
 from sim.headlamps import Lamps
 from sim.outlines import NEAR_M, seen_px
 from sim.renderer import Window
+from sim.signals import Aspect, Shown, SignalHead
 
 _HEAD_BGR, _TAIL_BGR = (1750.0, 1880.0, 2000.0), (80.0, 70.0, 1100.0)
 _STREET_BGR = (560.0, 860.0, 1080.0)
 _STREET_RADIUS_M = 0.28
+_SIGNAL_BGR = {Aspect.RED: (38.0, 48.0, 460.0), Aspect.AMBER: (12.0, 150.0, 460.0), Aspect.GREEN: (135.0, 400.0, 36.0)}
+_SIGNAL_RADIUS_M, _SIGNAL_HALF_M = 0.14, 0.19  # of a light; from its middle to its face
+_AT_NIGHT = 1.5  # signals are dimmed, but exposures are longer
 _BEHIND_M = 0.7  # by which the surface of a luminaire may be before its middle
 _SHARPEST_PX = (
     0.7  # no spot is smaller (standard deviation): what is dims, but less than its area, as lamps are far beyond white
@@ -48,6 +52,21 @@ def street_spots(camera: Camera, lamps_m: FloatArray, depth_m: NDArray[np.float3
             yield from _spot(camera, at, free * np.array(_STREET_BGR), _STREET_RADIUS_M, air)
 
 
+def signal_spots(
+    camera: Camera, heads: Sequence[SignalHead], shown: Shown, depth_m: NDArray[np.float32], air: Air, *, lamplit: bool
+) -> Iterator[Spot]:
+    """Lights of signals; depth_m: (H, W) of all that stands still. lamplit: whether streetlamps are on."""
+    for head, lit in zip(heads, shown, strict=True):
+        for aspect, middle in zip(Aspect, head.lights_m, strict=True):
+            away = camera.pose.position_m - middle
+            looks = float(head.facing @ away) / float(np.linalg.norm(away))
+            at = _in_picture(camera, middle + np.copysign(_SIGNAL_HALF_M, looks) * head.facing)
+            if aspect in lit and at is not None:
+                level = np.array(_SIGNAL_BGR[aspect]) * abs(looks) * (_AT_NIGHT if lamplit else 1.0)
+                free = _share(depth_m > at.depth_m - 2 * _SIGNAL_HALF_M, at)
+                yield from _spot(camera, at, free * level, _SIGNAL_RADIUS_M, air)
+
+
 def vehicle_spots(camera: Camera, state: Truth, wardrobe: Wardrobe, instances: ImageArray, air: Air) -> Iterator[Spot]:
     """Lamps of road users; instances: (H, W) as in ``Rendered``."""
     lamps = Lamps.of(state, wardrobe)
@@ -62,7 +81,7 @@ def vehicle_spots(camera: Camera, state: Truth, wardrobe: Wardrobe, instances: I
             yield from _spot(camera, at, level, float(lamps.radii_m[k]), air)
 
 
-def added(spots: list[Spot], shape: tuple[int, ...]) -> Array32:
+def added(spots: Iterable[Spot], shape: tuple[int, ...]) -> Array32:
     """What all spots add to a picture (H, W, 3)."""
     total = np.zeros(shape, np.float32)
     for spot in spots:

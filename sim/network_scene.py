@@ -7,7 +7,7 @@ from sim.road_map import map_of_network
 from sim.road_network import RoadNetwork
 from sim.road_scene import RoadScene
 from sim.road_surface import pavement_area, road_area, surface_parts
-from sim.roadside import luminaires, roadside_parts
+from sim.roadside import luminaires, roadside_parts, signal_heads
 from sim.terrain import Terrain
 
 
@@ -20,4 +20,5 @@ def scene_of_network(network: RoadNetwork, cameras: Sequence[Camera], seed: int)
         *surface_parts(carriageway, pavement, road_map, terrain),
         *roadside_parts(carriageway, pavement, road_map, terrain, cameras=cameras, seed=seed),
     )
-    return RoadScene(parts, luminaires(carriageway, road_map), seed)
+    heads = tuple(signal_heads(carriageway, road_map, network))
+    return RoadScene(parts, luminaires(carriageway, road_map), seed, heads)

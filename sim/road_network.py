@@ -14,6 +14,7 @@ import numpy as np
 from contracts import FloatArray, InputError
 from contracts.arrays import freeze
 from georef.geo_reference import GeoReference
+from sim.signals import SignalProgram
 
 CARS, BICYCLES, PEDESTRIANS = "passenger", "bicycle", "pedestrian"  # SUMO's vehicle classes that Gantry tells apart
 
@@ -60,7 +61,7 @@ class Connection:
     """From one lane over a junction to another.
 
     via: the lane that leads across, or "". direction: ``s``, ``l``, ``r``, ``t``, ...; state: ``M`` has right of way,
-    ``m`` waits; signal: the light that governs it, or "".
+    ``m`` waits; signal: the light that governs it, or "", and link: under which number, or -1.
     """
 
     from_lane: str
@@ -69,17 +70,19 @@ class Connection:
     direction: str
     state: str
     signal: str
+    link: int
 
 
 @dataclass(frozen=True, eq=False)
 class RoadNetwork:
-    """A whole network. path: of its file, for SUMO; geo: where its metres lie on the globe."""
+    """A whole network. path: of its file, for SUMO; geo: where its metres lie on the globe; signals: fixed programs."""
 
     path: Path
     geo: GeoReference
     edges: dict[str, RoadEdge]
     junctions: dict[str, Junction]
     connections: tuple[Connection, ...]
+    signals: dict[str, SignalProgram]
 
     @cached_property
     def lanes(self) -> dict[str, RoadLane]:
@@ -109,9 +112,8 @@ def read_network(path: Path) -> RoadNetwork:
             for node in root.iter("junction")
             if node.attrib["type"] != "internal"
         }
-        network = RoadNetwork(
-            path, _geo(root), edges, junctions, tuple(_connection(node) for node in root.iter("connection"))
-        )
+        connections = tuple(_connection(node) for node in root.iter("connection"))
+        network = RoadNetwork(path, _geo(root), edges, junctions, connections, _signals(root))
     except KeyError as error:
         raise InputError(f"{path} lacks the attribute {error}") from error
     except ValueError as error:
@@ -165,7 +167,24 @@ def _connection(node: ElementTree.Element) -> Connection:
         own["dir"],
         own["state"],
         own.get("tl", ""),
+        int(own.get("linkIndex", "-1")),
     )
+
+
+def _signals(root: ElementTree.Element) -> dict[str, SignalProgram]:
+    """The programs that do not depend on traffic, by the signal's id."""
+    return {
+        node.attrib["id"]: SignalProgram(
+            tuple((_ns(phase.attrib["duration"]), phase.attrib["state"]) for phase in node.iter("phase")),
+            _ns(node.attrib.get("offset", "0")),
+        )
+        for node in root.iter("tlLogic")
+        if node.attrib["type"] == "static"
+    }
+
+
+def _ns(seconds: str) -> int:
+    return round(float(seconds) * 1e9)
 
 
 def _geo(root: ElementTree.Element) -> GeoReference:

@@ -7,6 +7,7 @@ from contracts import FloatArray
 from contracts.arrays import freeze
 from sim.lights import Rgb
 from sim.meshes import Mesh
+from sim.signals import Shown, SignalHead
 
 
 class PartKind(StrEnum):
@@ -56,11 +57,17 @@ class RoadScene:
     """All that stands still.
 
     parts: names are unique. lamps_m: (L, 3) luminaires of the streetlamps. seed: of the surfaces' mottle.
+    signals: what stands still of them is among the parts; what they show changes.
     """
 
     parts: tuple[StillPart, ...]
     lamps_m: FloatArray
     seed: int = 0
+    signals: tuple[SignalHead, ...] = ()
 
     def __post_init__(self) -> None:
         freeze(self, "lamps_m", shape=(None, 3))
+
+    def shown(self, time_ns: int) -> Shown:
+        """What the signals show at a moment."""
+        return tuple(head.shown(time_ns) for head in self.signals)

@@ -26,6 +26,7 @@ from sim.road_scene import KIND_CODES, PartKind
 from sim.road_shadow import shadow_mask, thrown
 from sim.road_stage import RoadStage, VeilStage
 from sim.road_studio import RoadStudio
+from sim.signals import Shown
 from sim.still_view import StillView
 from sim.users_view import UsersView
 from sim.wet_ground import Change, WetGround
@@ -34,10 +35,11 @@ from sim.windows import apart, common, inside, meet, window_of
 
 @dataclass(frozen=True, eq=False)
 class EmptyRoad:
-    """The road without users under one light; (H, W, 3) float32 BGR levels throughout.
+    """The road without users under one light while its signals do not change; (H, W, 3) float32 BGR levels throughout.
 
     lit, unlit: without beams the latter, both without what wet ground mirrors.
-    dark: without any light on its surfaces. albedo: times an irradiance it is what a lamp adds; none without lamps.
+    dark: without any light on its surfaces; signals shine in all three.
+    albedo: times an irradiance it is what a lamp adds; none without lamps.
     glow: what its lamps spread over everything; none without lamps.
     picture: all of it in whole levels.
     """
@@ -58,21 +60,21 @@ class RoadView:
 
     def __init__(self, camera: Camera, studio: RoadStudio, whole: RoadStage, veil: VeilStage) -> None:
         self._camera = camera
-        self._wardrobe, self._weather, self._lamps_m = Wardrobe(studio.seed), studio.weather, studio.scene.lamps_m
+        self._wardrobe, self._scene = Wardrobe(studio.seed), studio.scene
         self._still, self._users = StillView(camera, studio, whole), UsersView(camera, studio, veil)
         self._sight = self._still.sight
         self._wet = WetGround(self._sight, studio, whole, veil) if is_wet(studio.weather) else None
         self._things = Still(self._sight.kinds, tuple(KIND_CODES), frozenset(kind for kind in PartKind if kind.upright))
-        self._empty: dict[Light, EmptyRoad] = {}
+        self._empty: dict[tuple[Light, Shown], EmptyRoad] = {}
 
     def render(self, state: Truth, light: Light) -> Rendered:
         """The users on the empty road."""
-        empty = self._empty_road(light)
+        empty = self._empty_road(light, self._scene.shown(state.time_ns))
         image, instances = empty.picture.copy(), np.zeros(empty.picture.shape[:2], np.uint8)
         places = self._places(state, light)
         if not places:
             return Rendered(image, instances, empty.picture, (), self._things)
-        moving = MovingLamps.of(state, self._wardrobe, light, self._lamps_m)
+        moving = MovingLamps.of(state, self._wardrobe, light, self._scene.lamps_m)
         layers = list(zip(places, self._users.seen(state, light, moving, places), strict=True))
         for place, users in layers:
             instances[place] = users.instances
@@ -94,29 +96,32 @@ class RoadView:
 
     def render_anew(self, state: Truth, light: Light) -> Rendered:
         """The same, everything drawn by OpenGL in one pass, shadows on the ground by its shadow map: the oracle."""
-        moving = MovingLamps.of(state, self._wardrobe, light, self._lamps_m)
+        moving = MovingLamps.of(state, self._wardrobe, light, self._scene.lamps_m)
         image, instances, free = self._still.with_users(state, light, moving, on_ground=True)
+        image = image + free * self._still.signal_glow(light, self._scene.shown(state.time_ns))
         if self._wet is not None:
             image = self._wet.laid_anew(image, free, state, moving)
         lamps = [*self._still.vehicle_spots(state, light, instances), *self._still.street_spots(light)]
         return Rendered(as_levels(image + added(lamps, image.shape)), instances, things=self._things)
 
-    def _empty_road(self, light: Light) -> EmptyRoad:
-        if light not in self._empty:
-            lit = self._still.empty(light)
-            picture = lit if self._wet is None else self._wet.laid(lit, light)
-            glow = added(self._still.street_spots(light), lit.shape) if light.lamplit else None
-            self._empty = {
-                light: EmptyRoad(
-                    lit=lit,
-                    unlit=self._still.empty(light.without_beams()) if light.beams else lit,
-                    dark=self._still.darkness(light),
-                    albedo=self._still.albedo_seen(light) if light.lamplit else None,
-                    glow=glow,
-                    picture=as_levels(picture if glow is None else picture + glow),
-                )
-            }
-        return self._empty[light]
+    def _empty_road(self, light: Light, shown: Shown) -> EmptyRoad:
+        if (light, shown) not in self._empty:
+            self._empty = {(light, shown): self._drawn_empty(light, shown)}
+        return self._empty[light, shown]
+
+    def _drawn_empty(self, light: Light, shown: Shown) -> EmptyRoad:
+        signals = self._still.signal_glow(light, shown)
+        lit = self._still.empty(light) + signals
+        picture = lit if self._wet is None else self._wet.laid(lit, light, shown)
+        glow = added(self._still.street_spots(light), lit.shape) if light.lamplit else None
+        return EmptyRoad(
+            lit=lit,
+            unlit=self._still.empty(light.without_beams()) + signals if light.beams else lit,
+            dark=self._still.darkness(light) + signals,
+            albedo=self._still.albedo_seen(light) if light.lamplit else None,
+            glow=glow,
+            picture=as_levels(picture if glow is None else picture + glow),
+        )
 
     def _places(self, state: Truth, light: Light) -> list[Window]:
         """Where users and their shadows can be seen; no two overlap."""
@@ -154,7 +159,9 @@ class RoadView:
                     shared = common(lit_window, window)
                     falling = ground.pool[shared] * self._sight.ground[shared]
                     part[inside(shared, window)] += empty.albedo[shared] * in_colour(falling, moving.head_bgr)
-        return part if self._wet is None else self._wet.laid(part, moving.light, window, ground.mirrored)
+        if self._wet is None:
+            return part
+        return self._wet.laid(part, moving.light, self._scene.shown(state.time_ns), window, ground.mirrored)
 
     def _shade_contacts(self, part: Array32, window: Window, empty: EmptyRoad, state: Truth) -> None:
         """Take from a part of the ground (h, w, 3), written on, what users keep from it of the sky's light."""

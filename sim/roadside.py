@@ -15,16 +15,20 @@ from shapely.geometry.base import BaseGeometry
 from contracts import Camera, FloatArray
 from georef.hd_map import FacilityKind, HdMap
 from sim.lights import Rgb
-from sim.meshes import Mesh, boxes, merged, prism, quads
+from sim.meshes import Mesh, merged, prism, quads
+from sim.poles import STEEL, bar, pole, towards, turns
 from sim.road_map import SIGN_HEIGHT_M
+from sim.road_network import RoadNetwork
 from sim.road_scene import PartKind, StillPart
+from sim.signal_heads import head_of, head_parts
+from sim.signals import SignalHead
 from sim.streams import stream
 from sim.terrain import Terrain
 
 LAMP_HEIGHT_M = 8.0
 _UP = np.array([0.0, 0.0, 1.0])
-_LAMP_ARM_M, _SIGNAL_ARM_M, _MAST_M = 1.6, 2.2, 5.6
-_POLE_SIDES = 6
+_LAMP_ARM_M, _MAST_M = 1.6, 5.6
+_TRUNK_SIDES = 6
 _STORY_M, _BAY_M, _WINDOW_M = 3.1, 2.6, (1.5, 1.5)  # of a facade
 _HOUSE_EVERY_M, _HOUSE_BESIDE_M = 20.0, 6.0
 _TREE_EVERY_M, _TREE_BESIDE_M = 11.0, 2.2
@@ -39,10 +43,7 @@ _FACADES: tuple[Rgb, ...] = (
     (0.78, 0.71, 0.56),
     (0.58, 0.38, 0.32),
 )
-_PANE, _ROOF, _STEEL, _BARK = (0.20, 0.24, 0.29), (0.36, 0.34, 0.33), (0.44, 0.45, 0.46), (0.30, 0.23, 0.17)
-_HOUSING, _LUMINAIRE = (0.10, 0.11, 0.11), (0.82, 0.81, 0.76)
-_SIGNAL_LIGHTS: tuple[Rgb, ...] = ((0.75, 0.10, 0.08), (0.45, 0.33, 0.05), (0.05, 0.33, 0.18))
-_SIGNAL_SHINES = 1.1  # times their colour
+_PANE, _ROOF, _BARK, _LUMINAIRE = (0.20, 0.24, 0.29), (0.36, 0.34, 0.33), (0.30, 0.23, 0.17), (0.82, 0.81, 0.76)
 _AT_HOME = 0.22  # share of the windows that are lit when it is dark
 _LIT_PANE: Rgb = (0.50, 0.36, 0.18)
 _BLACK: Rgb = (0.0, 0.0, 0.0)
@@ -75,8 +76,14 @@ def roadside_parts(
 def luminaires(carriageway: BaseGeometry, road_map: HdMap) -> FloatArray:
     """Where the streetlamps shine from, (L, 3)."""
     lamps = [facility for facility in road_map.facilities if facility.kind is FacilityKind.STREETLAMP]
-    places = [lamp.position_m + _LAMP_ARM_M * _towards(carriageway, lamp.position_m) for lamp in lamps]
+    places = [lamp.position_m + _LAMP_ARM_M * towards(carriageway, lamp.position_m) for lamp in lamps]
     return np.array(places).reshape(-1, 3) + LAMP_HEIGHT_M * _UP
+
+
+def signal_heads(carriageway: BaseGeometry, road_map: HdMap, network: RoadNetwork) -> Iterator[SignalHead]:
+    """The heads of all signals, in the map's order."""
+    for signal in road_map.signals:
+        yield head_of(network, signal.lanes, signal.position_m, towards(carriageway, signal.position_m))
 
 
 def sight_area(road: BaseGeometry, cameras: Sequence[Camera], reach_m: float) -> BaseGeometry:
@@ -175,7 +182,7 @@ def _trees(road: BaseGeometry, taken: BaseGeometry, terrain: Terrain, rng: np.ra
         if not planted or crown.intersects(taken):
             continue
         foot = terrain.lifted(place[None])[0]
-        trunk = np.array([place + 0.14 * np.array([np.cos(t), np.sin(t)]) for t in _turns(_POLE_SIDES)])
+        trunk = np.array([place + 0.14 * np.array([np.cos(t), np.sin(t)]) for t in turns(_TRUNK_SIDES)])
         stem = prism(trunk, bottom_m=foot[2] - 0.2, top_m=foot[2] + 0.6 * height_m)
         yield StillPart(f"tree/{number}/trunk", PartKind.TREE, stem, _BARK)
         centre = foot + 0.68 * height_m * _UP
@@ -200,16 +207,16 @@ def blob(centre_m: FloatArray, radii_m: FloatArray, rng: np.random.Generator) ->
 def _poles(carriageway: BaseGeometry, road_map: HdMap) -> Iterator[StillPart]:
     for facility in road_map.facilities:
         if facility.kind is FacilityKind.STREETLAMP:
-            yield from _lamp(facility.id, facility.position_m, _towards(carriageway, facility.position_m))
+            yield from _lamp(facility.id, facility.position_m, towards(carriageway, facility.position_m))
         else:
-            yield _pole(facility.id, facility.position_m, _MAST_M, 0.08)
+            yield pole(facility.id, facility.position_m, _MAST_M, 0.08)
     for signal in road_map.signals:
-        yield from _signal(signal.id, signal.position_m, _towards(carriageway, signal.position_m))
+        yield from head_parts(signal.id, signal.position_m, towards(carriageway, signal.position_m))
     for sign in road_map.signs:
-        inward = _towards(carriageway, sign.position_m)
-        yield _pole(f"{sign.id}/post", sign.position_m - SIGN_HEIGHT_M * _UP, SIGN_HEIGHT_M + 0.4, 0.035)
+        inward = towards(carriageway, sign.position_m)
+        yield pole(f"{sign.id}/post", sign.position_m - SIGN_HEIGHT_M * _UP, SIGN_HEIGHT_M + 0.4, 0.035)
         across = 0.33 * np.array([-inward[1], inward[0], 0.0])
-        plate = _beam(sign.position_m - across, sign.position_m + across, 0.04, 0.65)
+        plate = bar(sign.position_m - across, sign.position_m + across, 0.04, 0.65)
         yield StillPart(f"{sign.id}/plate", PartKind.POLE, plate, _PLATE)
 
 
@@ -217,45 +224,7 @@ def _lamp(name: str, foot_m: FloatArray, inward: FloatArray) -> Iterator[StillPa
     """A streetlamp whose luminaire hangs over the road's edge."""
     top = foot_m + LAMP_HEIGHT_M * _UP
     tip = top + _LAMP_ARM_M * inward
-    yield _pole(f"{name}/post", foot_m, LAMP_HEIGHT_M, 0.09)
-    yield StillPart(f"{name}/arm", PartKind.POLE, _beam(top, tip, 0.06), _STEEL)
-    housing = _beam(tip - 0.3 * inward, tip + 0.4 * inward, 0.16)
+    yield pole(f"{name}/post", foot_m, LAMP_HEIGHT_M, 0.09)
+    yield StillPart(f"{name}/arm", PartKind.POLE, bar(top, tip, 0.06), STEEL)
+    housing = bar(tip - 0.3 * inward, tip + 0.4 * inward, 0.16)
     yield StillPart(f"{name}/lamp", PartKind.POLE, housing, _LUMINAIRE, shining=_LUMINAIRE_SHINES)
-
-
-def _signal(name: str, position_m: FloatArray, inward: FloatArray) -> Iterator[StillPart]:
-    """A signal head on an arm over the road's edge."""
-    tip = position_m + _SIGNAL_ARM_M * inward
-    yield StillPart(f"{name}/arm", PartKind.POLE, _beam(position_m + 0.3 * _UP, tip + 0.3 * _UP, 0.08), _STEEL)
-    yield StillPart(f"{name}/head", PartKind.POLE, _beam(tip - 0.55 * inward, tip + 0.55 * inward, 0.36), _HOUSING)
-    for k, rgb in enumerate(_SIGNAL_LIGHTS):
-        at = tip + 0.35 * (k - 1) * inward + 0.06 * _UP
-        lens = _beam(at - 0.1 * inward, at + 0.1 * inward, 0.38, 0.2)
-        red, green, blue = (_SIGNAL_SHINES * channel for channel in rgb)
-        yield StillPart(f"{name}/light/{k}", PartKind.POLE, lens, rgb, shining=(red, green, blue))
-
-
-def _pole(name: str, foot_m: FloatArray, height_m: float, radius_m: float) -> StillPart:
-    ring = np.array([foot_m[:2] + radius_m * np.array([np.cos(t), np.sin(t)]) for t in _turns(_POLE_SIDES)])
-    return StillPart(name, PartKind.POLE, prism(ring, bottom_m=foot_m[2] - 0.2, top_m=foot_m[2] + height_m), _STEEL)
-
-
-def _beam(a_m: FloatArray, b_m: FloatArray, width_m: float, thick_m: float | None = None) -> Mesh:
-    """A level box, the middle of whose underside goes from ``a_m`` to ``b_m`` (3,)."""
-    along = b_m[:2] - a_m[:2]
-    size = np.array([float(np.linalg.norm(along)), width_m, width_m if thick_m is None else thick_m])
-    heading = np.array([np.arctan2(along[1], along[0])])
-    return boxes(((a_m + b_m) / 2)[None, :2], heading, size, bottom_m=float(a_m[2]))
-
-
-def _towards(area: BaseGeometry, position_m: FloatArray) -> FloatArray:
-    """Unit vector (3,), level, from a place beside ``area`` straight towards it; to its middle from within."""
-    ends = shapely.get_coordinates(shapely.shortest_line(shapely.Point(position_m[:2]), area))
-    way = ends[1] - ends[0]
-    if not way.any():
-        way = shapely.get_coordinates(area.centroid)[0] - position_m[:2]
-    return np.array([*(way / max(float(np.linalg.norm(way)), 1e-9)), 0.0])
-
-
-def _turns(count: int) -> FloatArray:
-    return np.asarray(2 * np.pi * np.arange(count) / count)

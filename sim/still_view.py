@@ -8,7 +8,7 @@ from contracts.truth import Truth
 from sim.air import Air, Array32, Weather, sky_picture
 from sim.body_shapes import Wardrobe
 from sim.contact import contact_shade
-from sim.glow import Spot, street_spots, vehicle_spots
+from sim.glow import Spot, added, signal_spots, street_spots, vehicle_spots
 from sim.lamplight import irradiance
 from sim.lights import ALBEDO, Light
 from sim.mirror import DARKER, is_wet
@@ -18,6 +18,7 @@ from sim.road_scene import KIND_CODES
 from sim.road_stage import RoadStage
 from sim.road_studio import RoadStudio
 from sim.sight import Sight
+from sim.signals import Shown
 
 _SHADOW_REACH_M, _SHADOW_AHEAD_M = 50.0, 35.0
 _DIM = frozenset((Weather.RAIN, Weather.FOG))
@@ -28,6 +29,7 @@ class StillView:
 
     def __init__(self, camera: Camera, studio: RoadStudio, stage: RoadStage) -> None:
         self._stage, self._weather, self._lamps_m = stage, studio.weather, studio.scene.lamps_m
+        self._signals = studio.scene.signals
         self._camera, self._wardrobe = camera, Wardrobe(studio.seed)
         self.sight = Sight.of(camera, stage)
         sight = self.sight
@@ -71,6 +73,12 @@ class StillView:
         if not light.lamplit:
             return []
         return list(street_spots(self._camera, self._lamps_m, self.sight.depth_m, self.air(light)))
+
+    def signal_glow(self, light: Light, shown: Shown) -> Array32:
+        """What signals add that show this, (H, W, 3) levels."""
+        depth_m, air = self.sight.depth_m, self.air(light)
+        spots = signal_spots(self._camera, self._signals, shown, depth_m, air, lamplit=light.lamplit)
+        return added(spots, (*depth_m.shape, 3))
 
     def vehicle_spots(self, state: Truth, light: Light, instances: ImageArray) -> list[Spot]:
         """What the lamps of road users add, who have them on in rain and fog, too; instances: who is seen, (H, W)."""

@@ -16,6 +16,7 @@ from sim.renderer import Window
 from sim.road_stage import RoadStage, VeilStage
 from sim.road_studio import RoadStudio
 from sim.sight import Sight
+from sim.signals import Shown
 from sim.still_view import StillView
 from sim.users_view import UsersView
 from sim.windows import apart, common, enclosing, inside, meet
@@ -46,11 +47,19 @@ class WetGround:
         self._mirror = Mirror(sight, studio.weather, studio.seed)
         self._still = StillView(self._mirror.camera, studio, whole)
         self._users = UsersView(self._mirror.camera, studio, veil)
-        self._empty: dict[Light, _Empty] = {}
+        self._scene = studio.scene
+        self._empty: dict[tuple[Light, Shown], _Empty] = {}
 
-    def laid(self, ground: Array32, light: Light, window: Window = EVERYWHERE, change: Change | None = None) -> Array32:
-        """The ground (h, w, 3) in a window with what it mirrors."""
-        picture = self._mirrored(light).in_place[window]
+    def laid(
+        self,
+        ground: Array32,
+        light: Light,
+        shown: Shown,
+        window: Window = EVERYWHERE,
+        change: Change | None = None,
+    ) -> Array32:
+        """The ground (h, w, 3) in a window with what it mirrors while signals show this."""
+        picture = self._mirrored(light, shown).in_place[window]
         if change is not None and meet(change.window, window):
             picture = picture.copy()
             shared = common(change.window, window)
@@ -62,7 +71,8 @@ class WetGround:
         light = moving.light
         picture, instances, _ = self._still.with_users(state, light, moving, on_ground=False)
         lamps = [*self._still.vehicle_spots(state, light, instances), *self._still.street_spots(light)]
-        picture = picture + _BRIGHTER * added(lamps, picture.shape)
+        signals = self._still.signal_glow(light, self._scene.shown(state.time_ns))
+        picture = picture + _BRIGHTER * (added(lamps, picture.shape) + signals)
         smeared = self._mirror.in_place(self._mirror.smeared(picture))
         return ground + free * (self._mirror.laid(ground, smeared, EVERYWHERE) - ground)
 
@@ -72,7 +82,7 @@ class WetGround:
         windows = apart([window for window in found if window is not None])
         if not windows:
             return None
-        sharp = self._mirrored(light).sharp
+        sharp = self._mirrored(light, self._scene.shown(state.time_ns)).sharp
         changed, instances = np.zeros_like(sharp), np.zeros(sharp.shape[:2], np.uint8)
         for window, users in zip(windows, self._users.seen(state, light, moving, windows), strict=True):
             instances[window] = users.instances
@@ -84,9 +94,10 @@ class WetGround:
         smeared = self._mirror.smeared(changed[around])
         return Change(self._mirror.window_in_place(around), self._mirror.in_place(smeared, around))
 
-    def _mirrored(self, light: Light) -> _Empty:
-        if light not in self._empty:
+    def _mirrored(self, light: Light, shown: Shown) -> _Empty:
+        if (light, shown) not in self._empty:
             sharp = self._still.empty(light)
-            lamps = _BRIGHTER * added(self._still.street_spots(light), sharp.shape)
-            self._empty = {light: _Empty(sharp, self._mirror.in_place(self._mirror.smeared(sharp + lamps)))}
-        return self._empty[light]
+            lamps = added(self._still.street_spots(light), sharp.shape) + self._still.signal_glow(light, shown)
+            smeared = self._mirror.smeared(sharp + _BRIGHTER * lamps)
+            self._empty = {(light, shown): _Empty(sharp, self._mirror.in_place(smeared))}
+        return self._empty[light, shown]

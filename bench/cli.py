@@ -59,6 +59,7 @@ class ExportFormat(StrEnum):
     MOT = "mot"
     COCO = "coco"
     GEOJSON = "geojson"
+    IMAGES = "images"
 
 
 @app.command("list")

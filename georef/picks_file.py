@@ -5,8 +5,8 @@
 ``name``                              optional, for messages
 ``x_m, y_m, z_m``                     the place: east, north and, optionally, height in local metres; or
 ``latitude_deg, longitude_deg, z_m``  the same in WGS84; or
-``feature``                           a feature of the map: ``lamp-3``, or ``stop-7#2`` for the second corner
-                                      of a line or an area; a line without ``#`` is picked anywhere along it
+``feature``                           a feature of the map: ``lamp/west_in/2``, or ``stop/west_in#2`` for the second
+                                      corner of a line or an area; a line without ``#``: anywhere along it
 ``x2_m, y2_m, z2_m``                  optional: the pixel lies anywhere on the straight line from the place to
 ``latitude2_deg, longitude2_deg``     this second one
 ``sigma_m``                           optional: standard deviation per axis of the map's place; 0 if not given

@@ -31,6 +31,7 @@ class Form(StrEnum):
 
 Out = Annotated[Path, typer.Option(help="The camera file to write (YAML).")]
 FormOption = Annotated[Form, typer.Option(help="gantry, opencv (FileStorage) or ros (camera_info).")]
+Name = Annotated[str | None, typer.Option(help="The camera's name; that of its file if not given.")]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 
 
@@ -39,7 +40,7 @@ def intrinsics(
     images: Annotated[list[Path], typer.Argument(help="Images of the board, held differently.", metavar="IMAGES...")],
     board: Annotated[str, typer.Option(help="Inner corners and square: 9x6:0.025 is 9 x 6 of 25 mm.")],
     out: Out,
-    name: Annotated[str, typer.Option(help="The camera's name.")] = "camera",
+    name: Name = None,
     form: FormOption = Form.GANTRY,
     json: Json = False,
 ) -> None:
@@ -47,7 +48,7 @@ def intrinsics(
     from bench.owners.calibrations import calibrate_lens
     from bench.owners.printed import print_lens
 
-    print_lens(calibrate_lens(images, _board(board), name, out, form.value), out, json=json)
+    print_lens(calibrate_lens(images, _board(board), name or out.stem, out, form.value), out, json=json)
 
 
 @app.command()
@@ -59,7 +60,7 @@ def camera(
     out: Out,
     map_: Annotated[Path | None, typer.Option("--map", help="HD map (GeoJSON) for picks that name features.")] = None,
     model: Annotated[Model, typer.Option(help="What is fitted.")] = Model.FULL,
-    name: Annotated[str, typer.Option(help="The camera's name.")] = "camera",
+    name: Name = None,
     origin: Annotated[str | None, typer.Option(help="Of local metres, without a map: LATITUDE,LONGITUDE.")] = None,
     noise_px: Annotated[float, typer.Option(help="Standard deviation of a pick, as you believe.")] = 1.0,
     height_m: Annotated[float | None, typer.Option(help="The camera's height to half a metre, if known.")] = None,
@@ -71,7 +72,9 @@ def camera(
     from bench.owners.calibrations import Wanted, calibrate_from_picks
     from bench.owners.printed import print_calibration
 
-    wanted = Wanted(model.value, name, _pair(size, "x", "--size", int), noise_px, height_m, seed, form.value)
+    wanted = Wanted(
+        model.value, name or out.stem, _pair(size, "x", "--size", int), noise_px, height_m, seed, form.value
+    )
     place = _pair(origin, ",", "--origin", float) if origin else None
     print_calibration(calibrate_from_picks(picks, map_, place, wanted, out), out, json=json)
 
@@ -80,9 +83,10 @@ def camera(
 def frames(
     images: Annotated[list[Path], typer.Argument(help="Images of the empty or busy road.", metavar="IMAGES...")],
     map_: Annotated[Path, typer.Option("--map", help="HD map (GeoJSON) with the road's paint.")],
-    near: Annotated[Path, typer.Option(help="File of a camera about where this one hangs.")],
+    near: Annotated[Path, typer.Option(help="Camera file of about where it hangs, from gantry calibrate about.")],
     out: Out,
     map_sigma_m: Annotated[float, typer.Option(help="Standard deviation of the map's places, per axis.")] = 0.0,
+    name: Name = None,
     form: FormOption = Form.GANTRY,
     json: Json = False,
 ) -> None:
@@ -90,7 +94,32 @@ def frames(
     from bench.owners.paint import calibrate_from_images
     from bench.owners.printed import print_calibration
 
-    print_calibration(calibrate_from_images(images, (map_, map_sigma_m), near, out, form.value), out, json=json)
+    calibration = calibrate_from_images(images, (map_, map_sigma_m), near, out, name=name or out.stem, form=form.value)
+    print_calibration(calibration, out, json=json)
+
+
+@app.command()
+def about(
+    map_: Annotated[Path, typer.Option("--map", help="HD map (GeoJSON) on which it stands.")],
+    height_m: Annotated[float, typer.Option(help="Height of the camera.")],
+    heading_deg: Annotated[float, typer.Option(help="Where it looks, counter-clockwise from east: north is 90.")],
+    down_deg: Annotated[float, typer.Option(help="How far it looks down from the horizon.")],
+    out: Out,
+    at_m: Annotated[str | None, typer.Option(help="Its foot in the map's metres: EAST,NORTH.")] = None,
+    at_deg: Annotated[str | None, typer.Option(help="Or on the Earth: LATITUDE,LONGITUDE.")] = None,
+    lens: Annotated[Path | None, typer.Option(help="Camera file from gantry calibrate intrinsics.")] = None,
+    size: Annotated[str | None, typer.Option(help="Or, without one, the image's size in pixels: 1920x1080,")] = None,
+    focal_px: Annotated[float | None, typer.Option(help="and the focal length.")] = None,
+    name: Name = None,
+) -> None:
+    """Write down about where a camera hangs, from where gantry calibrate frames sets out."""
+    from bench.owners.about import Hanging, known_lens, write_about
+
+    known = known_lens(name or out.stem, lens, _pair(size, "x", "--size", int) if size else None, focal_px)
+    foot_m = _pair(at_m, ",", "--at-m", float) if at_m else None
+    foot_deg = _pair(at_deg, ",", "--at-deg", float) if at_deg else None
+    write_about(known, Hanging(foot_m, foot_deg, height_m, heading_deg, down_deg), map_, out)
+    print(out)
 
 
 def locate(

@@ -4,10 +4,11 @@ from pathlib import Path
 
 from bench.export.coco import export_coco
 from bench.export.geojson import export_geojson
+from bench.export.images import export_images
 from bench.export.mot import export_mot
 from contracts import InputError
 
-EXPORTS = {"mot": export_mot, "coco": export_coco, "geojson": export_geojson}
+EXPORTS = {"mot": export_mot, "coco": export_coco, "geojson": export_geojson, "images": export_images}
 """By format: a function that writes the run in one directory to another and returns what it wrote."""
 
 
@@ -24,4 +25,4 @@ def export_run(directory: Path | str, to: str, out: Path | str) -> Path:
         raise InputError(f"{out} cannot be written to: {error.strerror}") from error
 
 
-__all__ = ["EXPORTS", "export_coco", "export_geojson", "export_mot", "export_run"]
+__all__ = ["EXPORTS", "export_coco", "export_geojson", "export_images", "export_mot", "export_run"]

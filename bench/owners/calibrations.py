@@ -16,7 +16,7 @@ from georef.camera_models import Beliefs
 from georef.checkerboard import find_corners
 from georef.geo_reference import GeoReference
 from georef.ground_homography import GroundHomography
-from georef.hd_map import HdMap, Line, Point
+from georef.hd_map import Facility, HdMap, LaneMarking, PaintedArea, RoadMark, Sign, Signal, StopLine
 from georef.hd_map_file import read_map
 from georef.homography_file import write_homography
 from georef.intrinsics import LEAST_VIEWS, IntrinsicCalibration, calibrate_from_corners
@@ -184,11 +184,18 @@ def _next_pick(
 
 
 def _map_points(hd_map: HdMap) -> list[tuple[str, FloatArray]]:
-    """Every point and every corner of a line, under the name that a pick gives it."""
+    """Every point, and every corner of paint, that an image can show, under the name that a pick gives it."""
     points: list[tuple[str, FloatArray]] = []
     for feature in hd_map.features():
-        if isinstance(feature, Point):
-            points.append((feature.id, feature.position_m))
-        elif isinstance(feature, Line):
-            points += [(f"{feature.id}#{number + 1}", place) for number, place in enumerate(feature.points_m)]
+        match feature:
+            case Sign() | Signal() | RoadMark() | Facility():
+                points.append((feature.id, feature.position_m))
+            case LaneMarking() | StopLine():
+                points += _corners(feature.id, feature.points_m)
+            case PaintedArea():
+                points += _corners(feature.id, feature.ring_m)
     return points
+
+
+def _corners(name: str, places: FloatArray) -> list[tuple[str, FloatArray]]:
+    return [(f"{name}#{number}", place) for number, place in enumerate(places, start=1)]

@@ -27,7 +27,7 @@ def write_views(files: Sequence[Path], map_path: Path | None, farthest_m: float,
     stored = [read_stored(file) for file in files]
     names = [camera.name for camera in stored]
     if len(set(names)) < len(names):
-        raise InputError(f"the cameras must have different names, not {', '.join(names)}")
+        raise InputError(f"the cameras must have different names, not {', '.join(names)}: calibrate with --name")
     hd_map = read_map(map_path) if map_path else None
     geo = _origin(files, stored, hd_map)
     cameras = [camera.calibrated.camera for camera in stored]

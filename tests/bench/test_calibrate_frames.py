@@ -45,7 +45,7 @@ def test_a_camera_is_found_from_its_picture_and_the_map(files):
     for name, value in (("f_px", 852.5), ("x_m", true.pose.position_m[0]), ("z_m", true.pose.position_m[2])):
         assert abs(found[name]["value"] - value) < 5 * found[name]["sigma"]
     stored = read_stored(files / "cam.yaml")
-    assert stored.geo == CROSSROADS.geo
+    assert (stored.name, stored.geo) == ("cam", CROSSROADS.geo)
     assert np.trace(stored.covariance) > 0
 
 

@@ -101,6 +101,16 @@ def test_mot_comes_with_the_images(run, exported):
     assert np.array_equal(cv2.imread(str(files[0])), run[1][0][0].image)
 
 
+def test_the_images_alone_are_as_they_were_seen(run, exported, tmp_path):
+    files = sorted((exported["images"] / "west").iterdir())
+    assert [file.name for file in files] == [f"{index:06d}.png" for index in range(4)]
+    assert np.array_equal(cv2.imread(str(files[2])), run[1][2][0].image)
+    record(tmp_path / "run", run, keep_frames=False)
+    with pytest.raises(InputError, match="holds no images: only `gantry run --frames` keeps them"):
+        export_run(tmp_path / "run", "images", tmp_path / "images")
+    assert not (tmp_path / "images").exists()
+
+
 def test_coco_polygons_cover_the_painted_roofs(exported):
     """OpenCV counts from pixel centres, COCO from the image's corner: half a pixel lies between them."""
     content = json.loads(exported["coco"].read_text())

@@ -14,7 +14,7 @@ from bench.cli import app
 from contracts import CalibrationError, InputError
 from georef.camera_file import read_stored
 from georef.geo_reference import GeoReference
-from georef.hd_map import Facility, FacilityKind, HdMap, LaneMarking, MarkingKind
+from georef.hd_map import Facility, FacilityKind, HdMap, LaneCentreline, LaneMarking, MarkingKind, RoadClass
 from georef.hd_map_file import write_map
 
 ROOT = Path(__file__).parents[2]
@@ -95,18 +95,20 @@ def test_picks_may_name_features_of_a_map_and_the_map_offers_the_next(tmp_path):
     points = PLACES[SEEN]
     lamps = tuple(Facility(f"lamp-{i}", p, FacilityKind.STREETLAMP) for i, p in enumerate(points))
     marking = LaneMarking("edge", np.array([[12.0, -2.0, 0.0], [40.0, -2.0, 0.0], [70.0, -2.0, 0.0]]), MarkingKind.EDGE)
-    write_map(tmp_path / "map.geojson", HdMap(ORIGIN, lane_markings=(marking,), facilities=lamps))
+    course = np.array([[12.0, 1.0, 0.0], [60.0, 1.0, 0.0]])
+    unseen = LaneCentreline("lane", course, RoadClass.CITY, 3.0)  # nobody can pick what is not painted
+    write_map(tmp_path / "map.geojson", HdMap(ORIGIN, (marking,), (), (unseen,), facilities=lamps))
     pixels = image(points)
     rows = [(f"lamp-{i}", *pixels[i]) for i in range(len(points) - 2)]
     rows += [("edge", *pixel) for pixel in image([[18.0, -2.0, 0.0], [33.0, -2.0, 0.0]])]
     rows.append(("edge#2", *image([[40.0, -2.0, 0.0]])[0]))
     file = table(tmp_path / "picks.csv", "feature,u_px,v_px", rows)
     options = ("--size", "1920x1080", "--map", tmp_path / "map.geojson", "--noise-px", 0.1)
-    found = told("calibrate", "camera", file, *options, "--out", tmp_path / "camera.yaml")
+    found = told("calibrate", "camera", file, *options, "--out", tmp_path / "west.yaml")
     assert found["picks"] == len(rows)
     assert found["wrong_picks"] == []
     assert found["next_pick"] in {f"lamp-{len(points) - 1}", f"lamp-{len(points) - 2}", "edge#1", "edge#3"}
-    assert read_stored(tmp_path / "camera.yaml").geo == ORIGIN
+    assert (read_stored(tmp_path / "west.yaml").name, read_stored(tmp_path / "west.yaml").geo) == ("west", ORIGIN)
 
 
 def test_on_the_ground_of_a_map_places_are_as_high_as_its_lines(tmp_path):

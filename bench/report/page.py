@@ -10,7 +10,7 @@ from bench.report.headline import people_read
 from bench.report.material import ReportedRun
 from bench.report.mosaic import EXPLANATION, mosaics_html
 from bench.report.pictures import picture_html, sample_pictures
-from bench.report.plan import error_map, magnification, plan
+from bench.report.plan import SHOWN_HEIGHTS, error_map, magnification, plan
 
 
 def page(runs: Sequence[ReportedRun]) -> str:
@@ -66,13 +66,15 @@ def _verdict(run: ReportedRun) -> str:
 def _plan(run: ReportedRun, key: str, charts: dict[str, Figure]) -> str:
     says = (
         "Lines: the true paths. Points: the fused positions. Arrows: the headings stated. "
-        "Dotted: what each calibrated camera sees of the floor. Drag to enlarge, double-click to return."
+        f"Dotted: what each calibrated camera sees of the floor, as far as {SHOWN_HEIGHTS} times its height. "
+        "Drag to enlarge, double-click to return."
     )
     return section("The plan", says, chart(charts, f"{key}-plan", plan(run)))
 
 
 def _errors(run: ReportedRun, key: str, charts: dict[str, Figure]) -> str:
-    times = magnification(run.fused.hits.errors_m)
+    times = magnification(run)
+    enlarged = f", {times} times enlarged" if times > 1 else ""
     naive = [people_read(run.scores.get(f"ground_z0.rms_{axis}_m")) for axis in "xy"]
     z0 = (
         "Root mean square. Single cameras count where at least 80 % of the vehicle is in sight. "
@@ -83,7 +85,7 @@ def _errors(run: ReportedRun, key: str, charts: dict[str, Figure]) -> str:
     by_stage = chart(charts, f"{key}-stages", stage_bars(run))
     return (
         section("Error over time", "Fused position minus truth. A gap: not found.", over_time)
-        + section("Error over position", f"Lines point to the estimate, {times} times enlarged.", over_place)
+        + section("Error over position", f"Lines point to the estimate{enlarged}.", over_place)
         + section("Where the error comes from", z0, by_stage + tables.cameras(run.recording.manifest, run.scores))
     )
 

@@ -2,21 +2,23 @@
 
 from collections.abc import Iterator
 from html import escape
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import shapely
 
 from bench.report.charts import INK, MUTED, TRACK, Figure, axis, layout, rows_of
 from bench.report.material import ReportedRun, run_colours
-from bench.scoring.rays import to_plane
 from contracts import Camera, FloatArray
+from georef.blind_spots import view
 
 _TRACK_STEP_M = 0.02
 _HEAT = [[0.0, "#f6dfae"], [0.35, "#eb9a4b"], [0.7, "#c2402a"], [1.0, "#5d0f1e"]]
 _CHART_WIDTH_PX, _EDGE_M = 1000, 0.05
 _HEADING_NS = 500_000_000  # between two headings drawn along a path
-_ARROW_M = 0.12  # length on the plan that an error at the 95 % quantile is drawn with
+_ARROW = 0.05  # of the plan's width: as long as an error at the 95 % quantile is drawn at most
+SHOWN_HEIGHTS = 8  # a camera's view is drawn as far from its foot as so many times its height
+_FINENESS = 1e-4  # of that distance: so exactly the view's outline is drawn
 _MAGNIFICATIONS = np.array([1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000])
 
 Trace = dict[str, Any]
@@ -55,21 +57,25 @@ def error_map(run: ReportedRun) -> Figure:
     return {"data": [*background, *_arrows(run), points], "layout": _plan_layout([*background, points])}
 
 
-def magnification(errors_m: FloatArray) -> int:
+def magnification(run: ReportedRun) -> int:
     """How many times enlarged errors are drawn on the plan: a round number that keeps them short."""
-    large_m = float(np.quantile(np.linalg.norm(errors_m, axis=1), 0.95)) if len(errors_m) else 0.0
-    fits = _MAGNIFICATIONS[_MAGNIFICATIONS * large_m <= _ARROW_M]
+    hits = run.fused.hits
+    large_m = float(np.quantile(np.linalg.norm(hits.errors_m, axis=1), 0.95)) if len(hits) else 0.0
+    places: Trace = {"x": hits.truths_m[:, 0].tolist(), "y": hits.truths_m[:, 1].tolist()}
+    low, high = _extents([*_background(run), places])
+    fits = _MAGNIFICATIONS[_MAGNIFICATIONS * large_m <= _ARROW * float((high - low).max())]
     return int(fits[-1]) if len(fits) else 1
 
 
 def outline_on_floor(camera: Camera) -> FloatArray:
-    """The image's border on the floor, a closed line (P, 2)."""
-    right, low = camera.intrinsics.width_px - 1.0, camera.intrinsics.height_px - 1.0
-    corners = np.array([[0, 0], [right, 0], [right, low], [0, low], [0, 0]])
-    share = np.linspace(0.0, 1.0, 16, endpoint=False)[:, None]
-    sides = [a + share * (b - a) for a, b in pairwise(corners)]
-    border = np.concatenate([*sides, corners[:1]])
-    return to_plane(camera, border, np.zeros(len(border)))
+    """The border of what the camera sees of the floor within ``SHOWN_HEIGHTS`` times its height, closed lines (P, 2).
+
+    A row of NaN ends each line; nothing where it sees no floor so near.
+    """
+    farthest_m = SHOWN_HEIGHTS * float(camera.pose.position_m[2])
+    seen = view(camera, farthest_m).simplify(_FINENESS * farthest_m)
+    rings = [shapely.get_coordinates(part.exterior) for part in shapely.get_parts(seen) if not part.is_empty]
+    return np.concatenate([np.empty((0, 2)), *(np.vstack([ring, [np.nan, np.nan]]) for ring in rings)])
 
 
 def _background(run: ReportedRun) -> Iterator[Trace]:
@@ -155,7 +161,7 @@ def _if_any(name: str, places: list[FloatArray], marker: dict[str, Any]) -> Iter
 
 def _arrows(run: ReportedRun) -> Iterator[Trace]:
     hits = run.fused.hits
-    tips_m = hits.truths_m + magnification(hits.errors_m) * hits.errors_m
+    tips_m = hits.truths_m + magnification(run) * hits.errors_m
     x, y = ([v for a, b in zip(hits.truths_m[:, k], tips_m[:, k], strict=True) for v in (a, b, None)] for k in (0, 1))
     line = {"color": "#8a8378", "width": 0.8}
     yield {"x": x, "y": y, "mode": "lines", "line": line, "showlegend": False, "hoverinfo": "skip"}
@@ -180,15 +186,21 @@ def _markers(name: str, places_m: FloatArray, marker: dict[str, Any]) -> Trace:
 
 def _plan_layout(traces: list[Trace]) -> dict[str, Any]:
     """Equal scales, in a chart as high as the traces are for their width."""
-    low, high = zip(*(_extent([value for trace in traces for value in trace[key]]) for key in "xy"), strict=True)
-    (width_m, height_m) = np.subtract(high, low) + 2 * _EDGE_M
+    low, high = _extents(traces)
+    (width_m, height_m) = high - low + 2 * _EDGE_M
     height_px = int(np.clip(_CHART_WIDTH_PX * height_m / width_m, 240, 620)) + 90
-    ranges = [[a - _EDGE_M, b + _EDGE_M] for a, b in zip(low, high, strict=True)]
+    ranges = [[a - _EDGE_M, b + _EDGE_M] for a, b in zip(low.tolist(), high.tolist(), strict=True)]
     return layout(
         height_px,
         xaxis=axis("east, m", zeroline=False, range=ranges[0], constrain="domain"),
         yaxis=axis("north, m", zeroline=False, range=ranges[1], scaleanchor="x", scaleratio=1, constrain="domain"),
     )
+
+
+def _extents(traces: list[Trace]) -> tuple[FloatArray, FloatArray]:
+    """Least and largest east and north (2,) of all traces."""
+    low, high = zip(*(_extent([value for trace in traces for value in trace[key]]) for key in "xy"), strict=True)
+    return np.array(low), np.array(high)
 
 
 def _extent(values: list[float | None]) -> tuple[float, float]:

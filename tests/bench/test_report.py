@@ -3,13 +3,17 @@
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
+import shapely
 
 from bench.report import write_report
+from bench.report.plan import outline_on_floor
 from bench.scores import write_scores
 from bench.scoring import score
-from contracts import InputError
-from tests.bench.filmless import filmless_run, record
+from contracts import InputError, Pose
+from tests.bench.filmless import filmless_run, overhead_camera, record
+from tests.perception.drawn_road import nominal_camera
 
 
 @pytest.fixture
@@ -52,6 +56,29 @@ def test_expectations_are_judged_only_where_the_scenario_has_any(tmp_path, scena
     recording, frames = filmless_run()
     named = replace(recording, manifest=replace(recording.manifest, scenario=scenario))
     assert ('class="verdict' in page_of(written(tmp_path / "run", (named, frames)))) is judged
+
+
+def test_views_are_drawn_as_they_are_but_not_to_the_horizon():
+    above = outline_on_floor(overhead_camera(distortion=np.zeros(5)))
+    assert abs(shapely.Polygon(above[:-1]).area - 320 * 180 * (2.8 / 500) ** 2) < 1e-3
+    slanted = nominal_camera()
+    height_m = slanted.pose.position_m[2]
+    away_m = np.linalg.norm(outline_on_floor(slanted)[:-1] - slanted.pose.position_m[:2], axis=1)
+    assert height_m < away_m.max() < 8.001 * height_m
+    up = replace(slanted, pose=Pose(np.eye(3), np.array([0.0, 0.0, 8.0])))
+    assert outline_on_floor(up).shape == (0, 2)
+
+
+@pytest.mark.parametrize(
+    ("off_m", "said"), [(0.001, "to the estimate, 10 times enlarged."), (0.02, "to the estimate.")]
+)
+def test_errors_are_said_to_be_enlarged_where_they_are(tmp_path, off_m, said):
+    recording, frames = filmless_run(steps=12)
+    moved = [
+        replace(step.fused, positions_m=step.fused.positions_m + np.array([off_m, 0.0])) for step in recording.steps
+    ]
+    steps = tuple(replace(step, fused=fused) for step, fused in zip(recording.steps, moved, strict=True))
+    assert said in page_of(written(tmp_path / "run", (replace(recording, steps=steps), frames)))
 
 
 def test_a_title_cannot_smuggle_markup_into_the_page(tmp_path):

@@ -7,6 +7,9 @@ from xml.sax.saxutils import quoteattr
 SHY_M = 0.25  # of air that drivers keep on either side besides SUMO's own gap: they do not know their corners to a hand
 
 
+Size = tuple[float, float, float]  # length, width, height in metres
+
+
 class RoadLabel(StrEnum):
     """What perception calls them."""
 
@@ -24,7 +27,7 @@ class RoadLabel(StrEnum):
 class Kind:
     """One kind of road user.
 
-    size_m: length, width, height; the riders of two-wheelers and whoever pushes a stroller are part of it.
+    size_m: usual length, width, height; the riders of two-wheelers and whoever pushes a stroller are part of it.
     lane_class: SUMO's vehicle class, which decides the lanes that it may use.
     front_axle, rear_axle: shares of the length from the front end; the first follows the lane, the body turns about the
     second.
@@ -32,7 +35,7 @@ class Kind:
 
     name: str
     label: RoadLabel
-    size_m: tuple[float, float, float]
+    size_m: Size
     lane_class: str
     top_speed_mps: float
     acceleration_mps2: float = 2.6
@@ -65,6 +68,12 @@ _KINDS = (
 KINDS = {kind.name: kind for kind in _KINDS}
 
 
+def room_m(kind: Kind, size_m: Size) -> Size:
+    """Length, width and height that SUMO keeps free for somebody of this size."""
+    length, width, height = size_m
+    return length, width if kind.walks else width + 2 * SHY_M, height
+
+
 def types_xml(extra: dict[str, tuple[str, dict[str, str]]]) -> str:
     """SUMO's vehicle types: every kind by its name, and under further names kinds with further attributes."""
     named: dict[str, tuple[str, dict[str, str]]] = {name: (name, {}) for name in KINDS}
@@ -73,7 +82,7 @@ def types_xml(extra: dict[str, tuple[str, dict[str, str]]]) -> str:
 
 
 def _type_xml(id_: str, kind: Kind, more: dict[str, str]) -> str:
-    length, width, height = kind.size_m
+    length, width, height = room_m(kind, kind.size_m)
     keys = {
         "vClass": kind.lane_class,
         "length": length,
@@ -82,7 +91,6 @@ def _type_xml(id_: str, kind: Kind, more: dict[str, str]) -> str:
         "maxSpeed": kind.top_speed_mps,
     }
     if not kind.walks:
-        keys["width"] = width + 2 * SHY_M
         keys |= {"accel": kind.acceleration_mps2, "decel": kind.braking_mps2, "emergencyDecel": 8.0, "sigma": 0.3}
         # across a lane at most 1.2 m/s and 0.15 of the speed along it: a body on wheels cannot move sideways
         keys |= {"maxSpeedLat": 1.2, "lcMaxSpeedLatStanding": 0.0, "lcMaxSpeedLatFactor": 0.15}

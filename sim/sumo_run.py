@@ -13,8 +13,9 @@ import libsumo
 
 from contracts import InputError
 from sim.road_network import RoadNetwork
-from sim.road_users import types_xml
+from sim.road_users import KINDS, Size, room_m, types_xml
 from sim.traffic_spec import WARM_UP_S, DriverSpec, RoadEvent, TrafficSpec
+from sim.user_sizes import Sizes
 
 STEP_S = 0.05
 _LATERAL_RESOLUTION_M = 0.8  # of the strips into which lanes are parted, so that a change of lane is a way across
@@ -24,12 +25,13 @@ _MODES = {"vehicles": -1, "right_of_way": -8 + 32, "signals": 0}  # 32: also on 
 
 @dataclass(frozen=True)
 class Sample:
-    """Where SUMO has somebody: front end (x, y, z), compass angle and slope in degrees, and the kind."""
+    """Where SUMO has somebody: front end (x, y, z), compass angle and slope in degrees; the kind, and the size."""
 
     front_m: tuple[float, float, float]
     angle_deg: float
     slope_deg: float
     kind: str
+    size_m: Size
 
 
 class SumoRun:
@@ -40,7 +42,8 @@ class SumoRun:
 
     def __init__(self, network: RoadNetwork, routes: Path | None, spec: TrafficSpec, seed: int) -> None:
         self._network, self._routes, self._spec, self._seed = network, routes, spec, seed
-        self._kinds: dict[str, str] = {}
+        self._sizes = Sizes(seed)
+        self._known: dict[str, tuple[str, Size]] = {}
         self._modes = {driver.id: _speed_mode(driver) for driver in spec.drivers}
         self._braking: dict[str, float] = {}
         self._held: dict[str, tuple[tuple[float, float], float]] = {}
@@ -96,10 +99,20 @@ class SumoRun:
         self._held[id_] = (front_m, angle_deg)
 
     def _sample(self, domain: type, id_: str) -> Sample:
-        if id_ not in self._kinds:
-            self._kinds[id_] = domain.getTypeID(id_).split("@")[0]  # type: ignore[attr-defined]
+        if id_ not in self._known:
+            self._known[id_] = self._measured(domain, id_)
         x, y, z = domain.getPosition3D(id_)  # type: ignore[attr-defined]
-        return Sample((x, y, z), domain.getAngle(id_), domain.getSlope(id_), self._kinds[id_])  # type: ignore[attr-defined]
+        return Sample((x, y, z), domain.getAngle(id_), domain.getSlope(id_), *self._known[id_])  # type: ignore[attr-defined]
+
+    def _measured(self, domain: type, id_: str) -> tuple[str, Size]:
+        """Kind and size of somebody new; SUMO is told the size, which gives them a vehicle type of their own."""
+        kind = domain.getTypeID(id_).split("@")[0]  # type: ignore[attr-defined]
+        size_m = self._sizes.of(kind, id_)
+        length, width, height = room_m(KINDS[kind], size_m)
+        domain.setLength(id_, length)  # type: ignore[attr-defined]
+        domain.setWidth(id_, width)  # type: ignore[attr-defined]
+        domain.setHeight(id_, height)  # type: ignore[attr-defined]
+        return kind, size_m
 
     def _command(self, types: Path) -> list[str]:
         files = ["-n", str(self._network.path), "-a", str(types)]

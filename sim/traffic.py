@@ -16,6 +16,7 @@ from sim.sumo_run import STEP_S, SumoRun
 from sim.traffic_check import check_traffic
 from sim.traffic_run import TrafficRun
 from sim.traffic_spec import WARM_UP_S, TrafficSpec
+from sim.user_sizes import Sizes
 
 _AHEAD = SPAN // 2 + 1  # steps by which SUMO is ahead of the step whose motion is decided
 STEP_NS = round(STEP_S * 1e9)
@@ -42,7 +43,7 @@ class TrafficMotion:
 
     def _run(self, times_ns: Iterable[int]) -> Iterator[Truth]:
         with SumoRun(self._network, self._routes, self._spec, self._seed) as sumo:
-            run = TrafficRun(sumo, self._spec)
+            run = TrafficRun(sumo, self._spec, Sizes(self._seed))
             for _ in range(round(WARM_UP_S / STEP_S) + _AHEAD):
                 run.step()
             previous_ns = -1

@@ -9,11 +9,12 @@ import numpy as np
 from contracts import Event, EventKind
 from contracts.truth import Truth
 from sim.contacts import first_touch
-from sim.road_users import KINDS, Kind
+from sim.road_users import KINDS, Kind, Size
 from sim.smooth_motion import SPAN, Pose, Stretch, Wreck, node_of
 from sim.sumo_run import STEP_S, SumoRun
 from sim.traffic_spec import WARM_UP_S, TrafficSpec
 from sim.trails import Place, Trail
+from sim.user_sizes import Sizes
 from sim.walks import Walk
 
 _WARM_UP_STEPS = round(WARM_UP_S / STEP_S)
@@ -25,6 +26,7 @@ class _Body:
     """Somebody on the road: the samples SUMO gave, and the motion in the present step once there are enough."""
 
     kind: Kind
+    size_m: Size
     trail: Trail | None = None
     samples: list[Place] = field(default_factory=list)
     angles_rad: list[float] = field(default_factory=list)
@@ -45,11 +47,11 @@ class _Body:
     @property
     def reach_m(self) -> float:
         """From the centre to a corner."""
-        return hypot(*self.kind.size_m[:2]) / 2
+        return hypot(*self.size_m[:2]) / 2
 
     def take(self, front_m: tuple[float, float, float], slope: float, heading_rad: float) -> None:
         """One more sample; the motion of the step that lies half the window back."""
-        length_m = self.kind.size_m[0]
+        length_m = self.size_m[0]
         if self.trail is None:
             self.trail = Trail((*front_m, slope), heading_rad, self.kind.front_axle * length_m)
         else:
@@ -73,9 +75,9 @@ class _Body:
 class TrafficRun:
     """After ``step`` has been called often enough, always at the beginning of a step whose motion is decided."""
 
-    def __init__(self, sumo: SumoRun, spec: TrafficSpec) -> None:
+    def __init__(self, sumo: SumoRun, spec: TrafficSpec, sizes: Sizes) -> None:
         self._sumo = sumo
-        self._walks = {walker.id: Walk(walker) for walker in spec.walkers}
+        self._walks = {walker.id: Walk(walker, sizes.of(walker.kind, walker.id)) for walker in spec.walkers}
         self._commands = sorted(spec.events, key=lambda event: event.at_s)[::-1]  # the next one is the last
         self._bodies: dict[str, _Body] = {}
         self._events: list[Event] = []
@@ -100,11 +102,11 @@ class TrafficRun:
             if id_ not in seen and id_ not in self._walks and body.wreck is None:
                 del self._bodies[id_]
         for id_, sample in seen.items():
-            body = self._bodies.setdefault(id_, _Body(KINDS[sample.kind]))
+            body = self._bodies.setdefault(id_, _Body(KINDS[sample.kind], sample.size_m))
             if body.wreck is None:
                 body.take(sample.front_m, tan(radians(sample.slope_deg)), pi / 2 - radians(sample.angle_deg))
         for id_, walk in self._walks.items():
-            body = self._bodies.setdefault(id_, _Body(walk.kind))
+            body = self._bodies.setdefault(id_, _Body(walk.kind, walk.size_m))
             if body.wreck is None:
                 body.take(*walk.at(sumo_s))
         self._find_contacts()
@@ -124,7 +126,7 @@ class TrafficRun:
             labels=tuple(str(body.kind.label) for body in bodies),
             positions_m=np.array([(p.x_m, p.y_m, p.z_m) for p in poses]).reshape(-1, 3),
             headings_rad=np.array([_wrapped(p.heading_rad) for p in poses]),
-            sizes_m=np.array([body.kind.size_m for body in bodies]).reshape(-1, 3),
+            sizes_m=np.array([body.size_m for body in bodies]).reshape(-1, 3),
             velocities_mps=np.array([(p.vx_mps, p.vy_mps) for p in poses]).reshape(-1, 2),
             places=(None,) * len(there),
             kinds=tuple(body.kind.name for body in bodies),
@@ -168,8 +170,8 @@ class TrafficRun:
     def _touch(self, pair: tuple[str, str], begin_s: float) -> float | None:
         a, b = (self._bodies[id_] for id_ in pair)
         found_s = first_touch(
-            lambda time_s: a.pose(begin_s, begin_s + time_s).box(a.kind.size_m),
-            lambda time_s: b.pose(begin_s, begin_s + time_s).box(b.kind.size_m),
+            lambda time_s: a.pose(begin_s, begin_s + time_s).box(a.size_m),
+            lambda time_s: b.pose(begin_s, begin_s + time_s).box(b.size_m),
             closing_mps=a.fastest_mps + b.fastest_mps,
             until_s=STEP_S,
         )
@@ -181,7 +183,7 @@ class TrafficRun:
             return
         body.wreck = Wreck(body.pose(begin_s, time_s), time_s)
         rest = body.wreck.at(time_s + 10.0)
-        half_m = body.kind.size_m[0] / 2
+        half_m = body.size_m[0] / 2
         front = (rest.x_m + half_m * cos(rest.heading_rad), rest.y_m + half_m * sin(rest.heading_rad))
         self._sumo.hold(id_, front, 90.0 - degrees(rest.heading_rad))
 

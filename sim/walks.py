@@ -4,15 +4,15 @@ from math import atan2, hypot
 
 import numpy as np
 
-from sim.road_users import KINDS
+from sim.road_users import KINDS, Size
 from sim.traffic_spec import WalkerSpec
 
 
 class Walk:
     """Where a walker's front is at any time: at the first corner, on the way, at the last one."""
 
-    def __init__(self, spec: WalkerSpec) -> None:
-        self.kind = KINDS[spec.kind]
+    def __init__(self, spec: WalkerSpec, size_m: Size) -> None:
+        self.kind, self.size_m = KINDS[spec.kind], size_m
         self._spec, self._corners = spec, np.array(spec.path_m)
         sides = np.diff(self._corners[:, :2], axis=0)
         self._reached = np.concatenate([[0.0], np.cumsum(np.hypot(sides[:, 0], sides[:, 1]))])

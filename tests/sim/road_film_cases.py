@@ -13,6 +13,7 @@ from sim.renderer import RendererName
 from sim.rig import look_down
 from sim.road_studio import RoadStudio
 from sim.road_users import KINDS
+from sim.user_sizes import Sizes
 
 SEED = 4
 
@@ -26,14 +27,16 @@ def pole_camera(width=480, height=270, *, position_m=(-17.0, -17.0, 8.0), distor
 def users(*each: tuple[str, float, float, float]) -> Truth:
     """Road users as (kind, x, y, heading in degrees)."""
     kinds = tuple(kind for kind, *_ in each)
+    ids = tuple(f"{kind}/{k}" for k, kind in enumerate(kinds))
+    sizes = Sizes(SEED)
     return Truth(
         index=0,
         time_ns=0,
-        ids=tuple(f"{kind}/{k}" for k, kind in enumerate(kinds)),
+        ids=ids,
         labels=tuple(str(KINDS[kind].label) for kind in kinds),
         positions_m=np.array([(x, y, 0.0) for _, x, y, _ in each]).reshape(-1, 3),
         headings_rad=np.radians([heading for *_, heading in each]),
-        sizes_m=np.array([KINDS[kind].size_m for kind in kinds]).reshape(-1, 3),
+        sizes_m=np.array([sizes.of(kind, id_) for kind, id_ in zip(kinds, ids, strict=True)]).reshape(-1, 3),
         velocities_mps=np.zeros((len(each), 2)),
         kinds=kinds,
     )

@@ -1,5 +1,7 @@
 """Lights and weathers of the road: laws of air, lamps, mirrors and rain, by numbers alone."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -190,6 +192,7 @@ def test_the_shade_at_the_foot_ends_where_it_says(heading_deg, kind):
     middle = float(contact_shade(state.positions_m, state)[0])
     assert 0.1 < middle < 0.8
     twice = users((kind, 3.0, -2.0, heading_deg), (kind, 3.0, -2.0, heading_deg))
+    twice = replace(twice, sizes_m=np.repeat(state.sizes_m, 2, axis=0))
     assert contact_shade(state.positions_m, twice)[0] == pytest.approx(1 - (1 - middle) ** 2, abs=1e-6)
 
 

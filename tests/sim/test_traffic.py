@@ -19,6 +19,7 @@ from sim.sumo_run import SumoRun
 from sim.traffic import TrafficMotion
 from sim.traffic_check import TrafficFaultError
 from sim.traffic_spec import DriverSpec, RoadEvent, TrafficSpec, WalkerSpec
+from sim.user_sizes import Sizes
 
 PERIOD_NS = 40_000_000
 PERIOD_S = PERIOD_NS * 1e-9
@@ -120,11 +121,11 @@ def test_nobody_touches_anybody_whom_no_author_sent(name):
 def test_a_bus_keeps_its_front_axle_on_the_lane_where_it_turns():
     bus = DriverSpec("bus", "city_bus", ("south_in", "west_out"), -10.0, speed_mps=10.0)
     lanes = LaneIndex.of(map_of_network(network("crossroads")))
-    kind = KINDS["city_bus"]
+    front_axle = KINDS["city_bus"].front_axle
     off_m = []
     for truth in run("crossroads", TrafficSpec((bus,), density=0.0), seconds=20.0, period_ns=5 * PERIOD_NS):
-        for place, heading in zip(truth.positions_m[:, :2], truth.headings_rad, strict=True):
-            ahead_m = (0.5 - kind.front_axle) * kind.size_m[0]
+        for place, heading, size in zip(truth.positions_m[:, :2], truth.headings_rad, truth.sizes_m, strict=True):
+            ahead_m = (0.5 - front_axle) * size[0]
             axle = place + ahead_m * np.array([np.cos(heading), np.sin(heading)])
             off_m.append(lanes.locate(axle[None]).distances_m[0])
     assert len(off_m) > 50
@@ -184,7 +185,7 @@ def test_walkers_go_their_way_at_their_speed():
     speeds = [np.linalg.norm(t.velocities_mps[t.ids.index("walker")]) for t in truths]
     assert abs(max(speeds) - WALKER.speed_mps) < 1e-3
     assert truths[-1].labels[row] == "pedestrian"
-    assert tuple(truths[-1].sizes_m[row]) == KINDS["adult"].size_m
+    assert tuple(truths[-1].sizes_m[row]) == Sizes(1).of("adult", "walker")
 
 
 @settings(max_examples=40, deadline=None)

@@ -97,6 +97,7 @@ class Truth:
     switches: state of every switch by id.
     events: what happened since the previous step, up to and including this moment.
     cameras: one view per filmed camera; empty where nothing was filmed.
+    travelled_m: (N,) way gone since the object was first there; None where not told.
     """
 
     index: int
@@ -112,9 +113,12 @@ class Truth:
     switches: dict[str, SwitchState] | None = None
     events: tuple[Event, ...] = ()
     cameras: tuple[CameraTruth, ...] = ()
+    travelled_m: FloatArray | None = None
 
     def __post_init__(self) -> None:
         n = len(self.ids)
+        if self.travelled_m is not None:
+            freeze(self, "travelled_m", shape=(n,))
         freeze(self, "positions_m", shape=(n, 3))
         freeze(self, "headings_rad", shape=(n,))
         freeze(self, "sizes_m", shape=(n, 3))

@@ -14,6 +14,7 @@ from sim.bus_bodies import BUSES
 from sim.car_bodies import CARS
 from sim.cart_bodies import CARTS
 from sim.cycle_bodies import CYCLES
+from sim.gait import Bone
 from sim.lights import Rgb
 from sim.meshes import Mesh, merged
 from sim.people_bodies import PEOPLE
@@ -24,10 +25,14 @@ from sim.truck_bodies import TRUCKS
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """What of a design is of one material. pieces: convex and closed, in the unit box."""
+    """What of a design is of one material and moves as one.
+
+    pieces: convex and closed, in the unit box. bone: what moves them, in the unit box; None where nothing does.
+    """
 
     material: Material
     pieces: tuple[Mesh, ...]
+    bone: Bone | None = None
 
     @cached_property
     def mesh(self) -> Mesh:
@@ -37,10 +42,15 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """A body in the unit box: x ahead and y to the left in [-0.5, 0.5], z in [0, 1]; one part per material."""
+    """A body in the unit box: x ahead and y to the left in [-0.5, 0.5], z in [0, 1], in every phase of a stride."""
 
     name: str
     parts: tuple[Part, ...]
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """All that there are, each once."""
+        return tuple(dict.fromkeys(part.material for part in self.parts))
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,19 +66,21 @@ def appearance_of(kind: str, id_: str, seed: int) -> Appearance:
     rng = stream(seed, f"appearance/{id_}")
     designs = DESIGNS[kind]
     design = designs[rng.integers(len(designs))]
-    return Appearance(design, {part.material: colour_of(kind, part.material, rng) for part in design.parts})
+    return Appearance(design, {material: colour_of(kind, material, rng) for material in design.materials})
 
 
 def _design(name: str, pieces: list[Piece]) -> Design:
     """Stretched a little to touch all faces of the unit box."""
     corners = np.concatenate([piece.mesh.vertices_m for piece in pieces])
     low, high = corners.min(axis=0), corners.max(axis=0)
-
-    def unit(mesh: Mesh) -> Mesh:
-        return Mesh((mesh.vertices_m - low) / (high - low) - (0.5, 0.5, 0.0), mesh.faces)
-
-    materials = dict.fromkeys(piece.material for piece in pieces)
-    parts = (Part(m, tuple(unit(piece.mesh) for piece in pieces if piece.material is m)) for m in materials)
+    scale = 1.0 / (high - low)
+    unit = [piece.moved(scale, -low * scale - (0.5, 0.5, 0.0)) for piece in pieces]
+    parts: list[Part] = []
+    for material in dict.fromkeys(piece.material for piece in pieces):
+        own = [piece for piece in unit if piece.material is material]
+        still = tuple(piece.mesh for piece in own if piece.bone is None)
+        parts += [Part(material, still)] if still else []
+        parts += [Part(material, (piece.mesh,), piece.bone) for piece in own if piece.bone is not None]
     return Design(name, tuple(parts))
 
 

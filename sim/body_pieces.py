@@ -4,13 +4,14 @@ What is in front and behind, or left and right of a body, is often one piece tha
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
 from scipy.spatial import ConvexHull
 
 from contracts import FloatArray
+from sim.gait import Bone
 from sim.meshes import Mesh
 
 Size = tuple[float, float, float]
@@ -39,14 +40,24 @@ class Material(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """A convex, closed mesh of one material."""
+    """A convex, closed mesh of one material, as a stride begins. bone: what moves it, if anything does."""
 
     material: Material
     mesh: Mesh
+    bone: Bone | None = None
 
     def placed(self, *, scale: Size = (1.0, 1.0, 1.0), x: float = 0.0) -> "Piece":
         """The piece scaled about the origin, then so much further ahead."""
-        return Piece(self.material, Mesh(self.mesh.vertices_m * scale + np.array([x, 0.0, 0.0]), self.mesh.faces))
+        return self.moved(np.array(scale), np.array([x, 0.0, 0.0]))
+
+    def moved(self, scale: FloatArray, shift: FloatArray) -> "Piece":
+        """The piece scaled about the origin by (3,), then shifted by (3,)."""
+        bone = None if self.bone is None else self.bone.moved(scale, shift)
+        return Piece(self.material, Mesh(self.mesh.vertices_m * scale + shift, self.mesh.faces), bone)
+
+    def on(self, bone: Bone) -> "Piece":
+        """The piece, moved by a bone."""
+        return replace(self, bone=bone)
 
 
 Builder = Callable[[Size], list[Piece]]

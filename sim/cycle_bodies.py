@@ -1,9 +1,12 @@
 """Bicycles and motorcycles, with their riders."""
 
+from cmath import rect
 from dataclasses import dataclass, replace
 from functools import partial
+from math import pi
 
-from sim.body_pieces import Builder, Material, Piece, Point, Size, ball, block, disc, limb, loft, wheel
+from sim.body_pieces import Builder, Material, Piece, Size, ball, block, disc, limb, loft, wheel
+from sim.gait import Bone, Joint, Place, carried, fixed
 from sim.people_bodies import head
 
 
@@ -17,6 +20,16 @@ class Posture:
     helmet: str
     long_hair: bool = False
 
+    def pedal(self, foot: Place) -> Joint:
+        """Where one of the feet is: on a circle about the middle of both, ahead at its top."""
+        middle = 0.5 * (complex(*self.feet[0]) + complex(*self.feet[1]))
+
+        def turned(phase: float) -> Place:
+            place = middle + (complex(*foot) - middle) * rect(1.0, -phase)
+            return place.real, place.imag
+
+        return turned
+
 
 def rider(posture: Posture, top: float) -> list[Piece]:
     """Somebody who rides, the crown or helmet at height ``top``."""
@@ -27,23 +40,25 @@ def rider(posture: Posture, top: float) -> list[Piece]:
         pieces.append(
             limb(Material.CLOTH, (neck[0], side * 0.20, neck[1] - 0.07), (bar_x, side * 0.25, bar_z), 0.12, 0.08)
         )
-        pieces += _leg((seat_x, side * 0.09, seat_z), (foot[0], side * 0.13, foot[1]))
+        pieces += _leg(posture.seat, posture.pedal(foot), side)
     return [*pieces, *_headgear(neck[0] + 0.06, top, posture)]
 
 
-def _leg(hip: Point, foot: Point) -> list[Piece]:
-    """The knee ahead of both."""
-    knee = (max(hip[0], foot[0]) + 0.24, 1.1 * foot[1], 0.5 * (hip[2] + foot[2]) + 0.12)
-    return [
-        limb(Material.TROUSERS, hip, knee, 0.18, 0.14),
-        limb(Material.TROUSERS, knee, foot, 0.13, 0.09),
-        block(
-            Material.TRIM,
-            (foot[0] - 0.08, foot[0] + 0.16),
-            (foot[1] - 0.05, foot[1] + 0.05),
-            (foot[2] - 0.06, foot[2] + 0.03),
-        ),
-    ]
+def _leg(hip: Place, foot: Joint, side: float) -> list[Piece]:
+    """The knee ahead of both; feet that stay do not move the leg."""
+
+    def knee(phase: float) -> Place:
+        x, z = foot(phase)
+        return max(hip[0], x) + 0.24, 0.5 * (hip[1] + z) + 0.12
+
+    (knee_x, knee_z), (x, z), y = knee(0.0), foot(0.0), side * 0.13
+    ankle, bend = (x, y, z), (knee_x, 1.1 * y, knee_z)
+    thigh = limb(Material.TROUSERS, (hip[0], side * 0.09, hip[1]), bend, 0.18, 0.14)
+    shin = limb(Material.TROUSERS, bend, ankle, 0.13, 0.09)
+    shoe = block(Material.TRIM, (x - 0.08, x + 0.16), (y - 0.05, y + 0.05), (z - 0.06, z + 0.03))
+    if foot(0.0) == foot(pi):
+        return [thigh, shin, shoe]
+    return [thigh.on(Bone(fixed(hip), knee)), shin.on(Bone(knee, foot)), shoe.on(carried(foot))]
 
 
 def _headgear(x: float, top: float, posture: Posture) -> list[Piece]:

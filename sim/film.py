@@ -129,7 +129,10 @@ def advanced(state: Truth, by_s: float) -> Truth:
     """The state a moment later (or earlier), every object moving on straight."""
     moved = state.positions_m.copy()
     moved[:, :2] += state.velocities_mps * by_s
-    return replace(state, time_ns=state.time_ns + round(by_s * 1e9), positions_m=moved)
+    travelled = state.travelled_m
+    if travelled is not None:
+        travelled = travelled + np.hypot(*state.velocities_mps.T) * by_s
+    return replace(state, time_ns=state.time_ns + round(by_s * 1e9), positions_m=moved, travelled_m=travelled)
 
 
 def mean_picture(middle: Rendered, others: Sequence[Rendered]) -> Rendered:

@@ -1,12 +1,15 @@
-"""People on foot, in mid-stride."""
+"""People on foot, who stride."""
 
 from dataclasses import dataclass
 from functools import partial
+from math import cos, pi, sin
 
 from sim.body_pieces import Builder, Material, Piece, Size, ball, block, limb, loft
+from sim.gait import Bone, Place, carried, fixed, later
 
 _ADULT: Size = (0.40, 0.50, 1.72)  # everybody is built of this size, and scaled to their own
 _HEAD_M = 0.235  # from chin to crown
+_HIP, _HANDLE = (0.0, 0.90), (0.40, 1.06)
 
 
 @dataclass(frozen=True)
@@ -55,16 +58,36 @@ def head(x: float, top: float, *, size: float = 1.0, long_hair: bool = False) ->
 
 
 def _legs(cloth: Material) -> list[Piece]:
-    """One step: the left foot ahead, the right one behind, on its toes."""
-    bent, stretched = (0.07, 0.09, 0.48), (-0.01, -0.09, 0.47)
+    """At the beginning of a stride the left foot is ahead, the right one behind, on its toes."""
+    return [piece for side in (1.0, -1.0) for piece in _leg(cloth, side)]
+
+
+def _leg(cloth: Material, side: float) -> list[Piece]:
+    ankle, knee = (later(joint, _behind(side)) for joint in (_ankle, _knee))
+    (hip_x, hip_z), (knee_x, knee_z), (x, z), y = _HIP, knee(0.0), ankle(0.0), side * 0.09
     return [
-        limb(cloth, (0.0, 0.09, 0.90), bent, 0.17, 0.13),
-        limb(cloth, bent, (0.09, 0.09, 0.05), 0.12, 0.09),
-        limb(cloth, (0.0, -0.09, 0.90), stretched, 0.17, 0.13),
-        limb(cloth, stretched, (-0.13, -0.09, 0.09), 0.12, 0.09),
-        block(Material.TRIM, (-0.02 + 0.04, 0.20), (0.04, 0.14), (0.0, 0.08)),
-        block(Material.TRIM, (-0.20, 0.0), (-0.14, -0.04), (0.02, 0.10)),
+        limb(cloth, (hip_x, y, hip_z), (knee_x, y, knee_z), 0.17, 0.13).on(Bone(fixed(_HIP), knee)),
+        limb(cloth, (knee_x, y, knee_z), (x, y, z), 0.12, 0.09).on(Bone(knee, ankle)),
+        block(Material.TRIM, (x - 0.07, x + 0.11), (y - 0.05, y + 0.05), (z - 0.05, z + 0.03)).on(carried(ankle)),
     ]
+
+
+def _behind(side: float) -> float:
+    """The right leg (side -1) is half a stride behind the left one, and the left arm behind the right one."""
+    return 0.0 if side > 0 else pi
+
+
+def _ankle(phase: float) -> Place:
+    """Back along the ground, the heel rising, and ahead through the air."""
+    lifted = max(0.0, -sin(phase))
+    return 0.11 * cos(phase) - 0.02, 0.06 - 0.01 * cos(phase) + 0.08 * lifted
+
+
+def _knee(phase: float) -> Place:
+    """Ahead of the line from hip to ankle, most where the foot is in the air."""
+    x, z = _ankle(phase)
+    bent = 0.04 - 0.015 * cos(phase) + 0.08 * max(0.0, -sin(phase))
+    return 0.5 * (_HIP[0] + x) + bent, 0.5 * (_HIP[1] + z)
 
 
 def _clothes(outfit: Outfit, chin: float) -> list[Piece]:
@@ -86,13 +109,19 @@ def _arms(shoulder: float, *, pushes: bool) -> list[Piece]:
     """Sleeves and hands; each arm swings against its leg, or both reach for a handle."""
     pieces = []
     for side in (-1.0, 1.0):
-        (x, z) = (0.40, 1.06) if pushes else (-side * 0.13, 0.84)
-        wrist = (0.8 * x, side * 0.21, 0.2 * shoulder + 0.8 * z)
-        pieces += [
+        hand = fixed(_HANDLE) if pushes else later(_hand, _behind(-side))
+        (x, z), y = hand(0.0), side * 0.21
+        wrist = (0.8 * x, y, 0.2 * shoulder + 0.8 * z)
+        arm = [
             limb(Material.CLOTH, (0.0, side * 0.20, shoulder), wrist, 0.10, 0.08),
-            limb(Material.SKIN, wrist, (x, side * 0.21, z), 0.06, 0.07),
+            limb(Material.SKIN, wrist, (x, y, z), 0.06, 0.07),
         ]
+        pieces += arm if pushes else [piece.on(Bone(fixed((0.0, shoulder)), hand)) for piece in arm]
     return pieces
+
+
+def _hand(phase: float) -> Place:
+    return 0.13 * cos(phase), 0.84
 
 
 def _luggage(carries: str, shoulder: float) -> list[Piece]:

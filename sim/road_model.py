@@ -3,7 +3,6 @@
 import mujoco
 
 from sim.bodies import DESIGNS
-from sim.body_pieces import Material
 from sim.model_parts import add_mesh, add_still, set_quality
 from sim.road_scene import RoadScene
 
@@ -23,16 +22,16 @@ def build_road_model(scene: RoadScene, *, buffer_px: tuple[int, int], veiled: bo
         texture.data = bytes(4)
         material = spec.add_material(name=_VEIL)
         material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = _VEIL
-    for part in scene.parts:
-        if part.hides or not veiled:
-            add_mesh(spec, part.name, part.mesh, textured=veiled)
-            add_still(spec, part.name, part.rgb, material=_VEIL if veiled else "")
+    for still in scene.parts:
+        if still.hides or not veiled:
+            add_mesh(spec, still.name, still.mesh, textured=veiled)
+            add_still(spec, still.name, still.rgb, material=_VEIL if veiled else "")
     for design in (design for designs in DESIGNS.values() for design in designs):
-        for body in design.parts:
-            add_mesh(spec, body_mesh(design.name, body.material), body.mesh)
+        for number, part in enumerate(design.parts):
+            add_mesh(spec, body_mesh(design.name, number), part.mesh)
     return spec.compile()
 
 
-def body_mesh(design: str, material: Material) -> str:
-    """Name of the mesh that shows what of a design is of one material."""
-    return f"body/{design}/{material}"
+def body_mesh(design: str, number: int) -> str:
+    """Name of the mesh that shows this part of a design."""
+    return f"body/{design}/{number}"

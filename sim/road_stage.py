@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from contracts import FloatArray, ImageArray
 from contracts.truth import Truth
-from sim.body_shapes import Wardrobe, affine
+from sim.body_shapes import Wardrobe, affine, pose_of
 from sim.lights import ALBEDO, Rgb
 from sim.road_model import body_mesh, build_road_model
 from sim.road_scene import KIND_CODES, RoadScene, StillPart
@@ -18,7 +18,7 @@ from sim.stage import STILL_NUMBER, Stage
 
 NEAR_M, FAR_M = 0.5, 600.0
 _BEAM_START_M = 90.0
-_MAX_USERS, _PARTS_PER_USER = 254, 12
+_MAX_USERS, _PARTS_PER_USER = 254, 24
 _BLACK: Rgb = (0.0, 0.0, 0.0)
 
 
@@ -121,12 +121,13 @@ class RoadStage(Stage):
         for row in range(len(state.ids)):
             look = self._wardrobe.appearance(state.kinds[row], state.ids[row])
             world_from_unit = affine(state, row)
-            for part in look.design.parts:
-                mesh = self._mesh(body_mesh(look.design.name, part.material))
+            for number, part in enumerate(look.design.parts):
+                mesh = self._mesh(body_mesh(look.design.name, number))
+                turn, shift = pose_of(part, state, row)
                 yield BodyPart(
                     mesh.number,
-                    world_from_unit @ mesh.unit_from_mesh,
-                    world_from_unit @ mesh.origin + state.positions_m[row],
+                    world_from_unit @ turn @ mesh.unit_from_mesh,
+                    world_from_unit @ (turn @ mesh.origin + shift) + state.positions_m[row],
                     look.colours[part.material],
                     row,
                 )

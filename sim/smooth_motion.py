@@ -123,6 +123,11 @@ class Stretch:
         )
 
     @property
+    def way_m(self) -> float:
+        """How far the guide gets, straight on."""
+        return hypot(self.end.x_m - self.begin.x_m, self.end.y_m - self.begin.y_m)
+
+    @property
     def fastest_mps(self) -> float:
         """No point of the body is faster during the step: hodographs of cubics lie within their control points."""
         a, b, h = self.begin, self.end, self.step_s

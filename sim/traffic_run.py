@@ -32,6 +32,7 @@ class _Body:
     angles_rad: list[float] = field(default_factory=list)
     stretch: Stretch | None = None
     wreck: Wreck | None = None
+    travelled_m: float = 0.0  # until the present step began
 
     def pose(self, begin_s: float, time_s: float) -> Pose:
         """At ``time_s`` of the run, within the step that began at ``begin_s``."""
@@ -39,6 +40,13 @@ class _Body:
             return self.wreck.at(time_s)
         assert self.stretch is not None
         return self.stretch.pose(time_s - begin_s)
+
+    def way_m(self, begin_s: float, time_s: float) -> float:
+        """How far it has come until then; who came to rest by a contact goes no farther."""
+        if self.wreck is not None:
+            return self.travelled_m
+        assert self.stretch is not None
+        return self.travelled_m + (time_s - begin_s) / STEP_S * self.stretch.way_m
 
     @property
     def fastest_mps(self) -> float:
@@ -61,6 +69,7 @@ class _Body:
         if len(self.samples) <= SPAN:
             return
         rows = np.array(self.samples)
+        self.travelled_m += self.stretch.way_m if self.stretch else 0.0
         self.stretch = Stretch.following(
             self.stretch.end if self.stretch else node_of(rows[:-1], STEP_S),
             node_of(rows[1:], STEP_S),
@@ -131,6 +140,7 @@ class TrafficRun:
             places=(None,) * len(there),
             kinds=tuple(body.kind.name for body in bodies),
             events=happened,
+            travelled_m=np.array([body.way_m(begin_s, time_s) for body in bodies]),
         )
 
     def _find_contacts(self) -> None:
@@ -181,6 +191,7 @@ class TrafficRun:
         body = self._bodies[id_]
         if body.wreck is not None:
             return
+        body.travelled_m = body.way_m(begin_s, time_s)
         body.wreck = Wreck(body.pose(begin_s, time_s), time_s)
         rest = body.wreck.at(time_s + 10.0)
         half_m = body.size_m[0] / 2

@@ -1,8 +1,8 @@
 """How long, wide and high road users are: each their own size, drawn from the seed.
 
-Ranges are those of what is sold and driven in Europe and Korea, from makers' data sheets (for example Kia Picanto to VW
-Polo, VW Golf to Hyundai Grandeur, Hyundai Kona to Palisade, Ford Transit to VW Crafter, Solaris Urbino 10.5 to
-Mercedes Citaro); EU directive 96/53/EC keeps widths to 2.55 m. People: NCD Risk Factor Collaboration 2020, heights.
+Ranges are those of what is sold and driven in Europe and Korea, from makers' data sheets (for example Toyota Aygo to VW
+Polo, VW Golf to Hyundai Grandeur, Hyundai Kona to Palisade, Renault Master to VW Crafter, Solaris Urbino 10.5 to
+Mercedes Citaro); EU directive 96/53/EC keeps widths to 2.55 m. Heights of adults: NCD Risk Factor Collaboration 2016.
 """
 
 from dataclasses import dataclass

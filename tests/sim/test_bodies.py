@@ -50,11 +50,13 @@ def test_every_kind_has_designs_of_its_own_and_cars_have_three():
 
 
 @by_name
-def test_a_body_touches_all_faces_of_the_unit_box_and_has_one_part_per_material(design):
+def test_a_body_touches_all_faces_of_the_unit_box_and_has_one_still_part_per_material(design):
     corners = np.concatenate([piece.vertices_m for piece in pieces(design)])
     assert np.allclose(corners.min(axis=0), (-0.5, -0.5, 0.0), atol=1e-9, rtol=0)
     assert np.allclose(corners.max(axis=0), (0.5, 0.5, 1.0), atol=1e-9, rtol=0)
-    assert len({part.material for part in design.parts}) == len(design.parts)
+    still = [part.material for part in design.parts if part.bone is None]
+    assert len(set(still)) == len(still)
+    assert len(design.parts) <= 24  # for so many the stage has room
 
 
 @by_name
@@ -118,5 +120,5 @@ def test_looks_last_and_differ(kind):
     assert len({(look.design.name, tuple(look.colours.values())) for look in looks}) >= 195
     assert looks[0].colours != appearance_of(kind, "user/0", seed=6).colours
     for look in looks:
-        assert set(look.colours) == {part.material for part in look.design.parts}
+        assert set(look.colours) == set(look.design.materials)
         assert all(0.0 <= level <= 1.0 for rgb in look.colours.values() for level in rgb)

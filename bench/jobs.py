@@ -18,12 +18,12 @@ from bench.expectations import check
 from bench.footage import Footage
 from bench.recording import Manifest, Recording
 from bench.recording_file import RECORDING_NAME, Recorder, load_recording
-from bench.road_calibration import CALIBRATORS, PICKS, calibrated_from_map
+from bench.road_calibration import CALIBRATORS, FRAMES, PICKS, calibrated_from_map, thinned
 from bench.run import Chain, run
 from bench.scores import Score, write_scores
 from bench.scoring import score
 from bench.wiring import ON_MAP, Stages, board_lenses, calibrated_cameras, make_chain, make_perception
-from contracts import InputError
+from contracts import Frame, InputError
 from contracts.truth import Step, World
 from georef.calibrated import CalibratedCamera
 from georef.camera_file import read_camera
@@ -91,7 +91,7 @@ def run_scenario(
     if by_board:
         calibrated = calibrated_cameras(world, lenses, first.frames)
     elif stages.needs_film and isinstance(scenario, RoadScenario):
-        calibrated = calibrated_from_map(_seeded(scenario, seed), world, first.frames, stages.calibrator or PICKS)
+        calibrated = _from_map(_seeded(scenario, seed), world, stages, noise_seed)
     manifest = manifest_of(scenario, world, stages, calibrated, seed=seed)
     shown = _with_progress(itertools.chain([first], steps), scenario.name, total=len(world), quiet=quiet)
     cameras = [each.camera for each in calibrated]
@@ -102,6 +102,17 @@ def run_scenario(
     chain = make_chain(stages, perception, calibrated, one_per_label=scenario.world == "rail", ground=ground)
     _record(shown, manifest, chain, directory, keep_frames=keep_frames, sample_every=len(world) // SAMPLES + 1)
     return rescore(directory, scenario)
+
+
+def _from_map(
+    scenario: RoadScenario, world: World, stages: Stages, noise_seed: int | None
+) -> tuple[CalibratedCamera, ...]:
+    """The cameras over a road; from frames alone, the road is filmed for some seconds beforehand."""
+    frames: list[Frame] = []
+    if stages.calibrator == FRAMES:
+        before = build_world(thinned(scenario), noise_seed=noise_seed, workers=1, renderer=stages.renderer)
+        frames = [frame for step in before.steps() for frame in step.frames]
+    return calibrated_from_map(scenario, world, frames, stages.calibrator or PICKS)
 
 
 def _seeded(scenario: RoadScenario, seed: int | None) -> RoadScenario:

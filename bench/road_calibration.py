@@ -1,6 +1,7 @@
 """Cameras over a road, calibrated from the map: from picks made by hand, or from what they film alone."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from contracts import Camera, Frame
 from contracts.truth import World
@@ -15,6 +16,12 @@ from sim.streams import stream
 
 PICKS, FRAMES = "picks", "frames"
 CALIBRATORS = (PICKS, FRAMES)
+_FRAMES, _EVERY_S = 5, 2.0
+
+
+def thinned(scenario: RoadScenario) -> RoadScenario:
+    """The same world filmed five times, two seconds apart: enough to tell the road from what drives on it."""
+    return replace(scenario, fps=1.0 / _EVERY_S, duration_s=_FRAMES * _EVERY_S)
 
 
 def calibrated_from_map(
@@ -22,7 +29,7 @@ def calibrated_from_map(
 ) -> tuple[CalibratedCamera, ...]:
     """Every camera of a road's world.
 
-    scenario: with the seed of the run. frames: at least one of each camera; of several the median is looked at.
+    scenario: with the seed of the run. frames: of each camera, several for choice, looked at by ``frames`` alone.
     calibrator: ``picks``, by hand, made up with a hand's errors; ``frames``, found in the frames themselves.
     Raises CalibrationError where the map's features before a camera do not determine it.
     """

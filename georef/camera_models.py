@@ -23,6 +23,7 @@ class Beliefs:
 
     principal_point_share: how far the principal point may lie from the image's centre, as a share of the width.
     k1, k2: how strong the lens may be; surveillance lenses lie within -0.4 .. 0.1.
+    tangential: p1 and p2, how badly its glass may be centred; for ``FullState.tangential`` only.
     height_m, height_sigma_m: of the optical centre above the map's z = 0.
     position_m, position_sigma_m: of the optical centre, where the pole has been surveyed; per axis.
     focal_px, focal_share: the data sheet's focal length, and its error as a share of it; for the whole camera only.
@@ -31,6 +32,7 @@ class Beliefs:
     principal_point_share: float = 0.02
     k1: float = 0.3
     k2: float = 0.2
+    tangential: float = 0.0005
     height_m: float | None = None
     height_sigma_m: float = 0.5
     position_m: tuple[float, float, float] | None = None
@@ -39,7 +41,7 @@ class Beliefs:
     focal_share: float = 0.01
 
     def __post_init__(self) -> None:
-        lens = (self.principal_point_share, self.k1, self.k2, self.focal_share)
+        lens = (self.principal_point_share, self.k1, self.k2, self.tangential, self.focal_share)
         sigmas = (*lens, self.height_sigma_m, self.position_sigma_m)
         if not (np.isfinite(sigmas).all() and min(sigmas) > 0):
             raise InputError(f"Beliefs: the standard deviations {sigmas} must be positive")
@@ -75,13 +77,18 @@ class CameraState(Protocol):
 _FULL = np.zeros((len(PARAMETERS), 11))  # f, cx, cy, k1, k2, rx, ry, rz, x, y, z
 _FULL[[0, 1], 0] = 1.0
 _FULL[[2, 3, 4, 5, 9, 10, 11, 12, 13, 14], np.arange(1, 11)] = 1.0
+_WITH_TANGENTIAL = np.insert(_FULL, [5], np.eye(len(PARAMETERS))[:, 6:8], axis=1)  # p1, p2 after k2
 
 
 @dataclass(frozen=True, eq=False)
 class FullState:
-    """The whole camera: square pixels, principal point, k1, k2, and its pose in six parameters."""
+    """The whole camera: square pixels, principal point, k1, k2, and its pose in six parameters.
+
+    tangential: whether p1 and p2 are free too; picks by hand are too coarse to tell them.
+    """
 
     camera: Camera
+    tangential: bool = False
 
     @classmethod
     def near(cls, camera: Camera) -> tuple["FullState", "FullState"]:
@@ -92,25 +99,28 @@ class FullState:
 
     @property
     def by_free(self) -> FloatArray:
-        """(15, 11)."""
-        return _FULL
+        """(15, 11), or (15, 13)."""
+        return _WITH_TANGENTIAL if self.tangential else _FULL
 
     def moved(self, step: FloatArray) -> "FullState":
-        """After a step (11,) in f, cx, cy, k1, k2, rotation, position."""
-        return FullState(moved_camera(self.camera, _FULL @ step))
+        """After a step (11,) in f, cx, cy, k1, k2, rotation, position; (13,) with p1, p2 after k2."""
+        return replace(self, camera=moved_camera(self.camera, self.by_free @ step))
 
     def beliefs(self, beliefs: Beliefs) -> tuple[FloatArray, FloatArray]:
         """Principal point, lens, focal length and place."""
         k = self.camera.intrinsics
         offset = np.array([k.cx_px, k.cy_px]) - centre_px(k.width_px, k.height_px)
         sigmas = np.array([*2 * [beliefs.principal_point_share * k.width_px], beliefs.k1, beliefs.k2])
-        residuals = np.concatenate([offset, k.distortion[:2]]) / sigmas
-        rows = np.zeros((4, 11))
-        rows[np.arange(4), np.arange(1, 5)] = 1 / sigmas
+        if self.tangential:
+            sigmas = np.append(sigmas, 2 * [beliefs.tangential])
+        size, parameters = len(sigmas), self.by_free.shape[1]
+        residuals = np.concatenate([offset, k.distortion])[:size] / sigmas
+        rows = np.zeros((size, parameters))
+        rows[np.arange(size), np.arange(1, size + 1)] = 1 / sigmas
         if beliefs.focal_px is not None:
             sigma_px = beliefs.focal_share * beliefs.focal_px
             residuals = np.append(residuals, (k.fx_px - beliefs.focal_px) / sigma_px)
-            rows = np.concatenate([rows, np.eye(11)[:1] / sigma_px])
+            rows = np.concatenate([rows, np.eye(parameters)[:1] / sigma_px])
         return _with_place(residuals, rows, self.camera, beliefs)
 
 

@@ -97,16 +97,16 @@ def calibrate_near(
     noise: Noise | None = None,
     beliefs: Beliefs | None = None,
 ) -> CameraFromMap:
-    """The whole camera from picks that a program matched with the help of a first guess; points may lack altogether.
+    """The whole camera, p1 and p2 too, from picks that a program matched with the help of a first guess.
 
-    start_noise_px: how far the picks may lie from their images in ``start``.
+    points: may lack altogether. start_noise_px: how far the picks may lie from their images in ``start``.
     Raises CalibrationError, with the reason, for picks that do not determine it.
     """
     name, size = start.name, start.intrinsics
     check_enough(name, len(points) + len(lines), "points and pixels on lines", least=LEAST_NEAR)
     model = CameraModel(points, lines, beliefs or Beliefs())
     extent_px = float(np.hypot(size.width_px, size.height_px))
-    begin = [(FullState(start), start_noise_px)]
+    begin = [(FullState(start, tangential=True), start_noise_px)]
     try:
         found = best_fit(model, begin, noise or Noise(), extent_px=extent_px)
     except CalibrationError as error:
@@ -155,7 +155,7 @@ def calibrate_homography(
     extent = float(np.hypot(width_px, height_px))
     noise = noise or Noise()
     found = _best(name, model, [model.first(rng)], _HOMOGRAPHY_STARTS, noise=noise, extent_px=extent)
-    _check_fit(name, used, width_px, height_px, found)
+    _check_fit(name, used, LinePicks.none(), found, size_px)
     homography = model.finished(name, (width_px, height_px), found.state, found.covariance)
     good, residuals = np.full(len(points), np.nan), np.full((len(points), 2), np.nan)
     good[on_ground], residuals[on_ground] = found.good[0], found.residuals[0]
@@ -175,14 +175,14 @@ def _calibrate(
     width_px, height_px = _checked_size(size_px)
     points, lines = model.points, model.lines
     check_enough(name, len(points), "points", least=LEAST_POINTS[kind], good=_GOOD_POINTS)
-    check_spread(name, points, width_px, height_px)
+    check_spread(name, points, width_px, height_px, on_lines_px=lines.pixels)
     first = first_cameras(name, points, width_px, height_px, rng)
     starts = [state for camera in first for state in states_near(camera)]
     found = _best(name, model, starts, _CAMERA_STARTS, noise=noise, extent_px=float(np.hypot(width_px, height_px)))
     camera = found.state.camera
     if camera.pose.position_m[2] <= 0:
         raise CalibrationError(f'camera "{name}": the picks put it below the ground: check the points\' heights')
-    _check_fit(name, points, width_px, height_px, found)
+    _check_fit(name, points, lines, found, size_px)
     return _from_fit(found, len(lines))
 
 
@@ -223,14 +223,15 @@ def _checked_size(size_px: tuple[int, int]) -> tuple[int, int]:
     return int(width_px), int(height_px)
 
 
-def _check_fit(name: str, points: PointPicks, width_px: int, height_px: int, found: Fit[State]) -> None:
+def _check_fit(name: str, points: PointPicks, lines: LinePicks, found: Fit[State], size_px: tuple[int, int]) -> None:
     good = found.good[0] > 0.5
     if (~good).sum() > _LARGEST_WRONG_SHARE * len(points):
         raise CalibrationError(
             f'camera "{name}": {(~good).sum()} of {len(points)} picks do not fit one camera with the others'
         )
-    if found.noise_px > _LARGEST_NOISE_SHARE * width_px:
+    if found.noise_px > _LARGEST_NOISE_SHARE * size_px[0]:
         raise CalibrationError(
             f'camera "{name}": the picks do not fit one camera; residuals of {found.noise_px:.1f} px remain'
         )
-    check_spread(name, points.chosen(good), width_px, height_px)
+    on_lines_px = lines.pixels[found.good[1] > 0.5] if len(lines) else None
+    check_spread(name, points.chosen(good), *size_px, on_lines_px=on_lines_px)

@@ -21,22 +21,28 @@ def check_enough(name: str, count: int, what: str, *, least: int, good: int | No
         raise CalibrationError(f'camera "{name}": {count} {what}; at least {least} are needed{advice}')
 
 
-def check_spread(name: str, points: PointPicks, width_px: int, height_px: int) -> None:
-    """Raises CalibrationError for picks on a line (of map or image), in a spot or on one side of the image."""
+def check_spread(
+    name: str, points: PointPicks, width_px: int, height_px: int, *, on_lines_px: FloatArray | None = None
+) -> None:
+    """Raises CalibrationError for picks on a line (of map or image), in a spot or on one side of the image.
+
+    on_lines_px: (M, 2) pixels picked on lines, which can put picks on the side where there are no points.
+    """
     for places, where in ((points.points_m, "on the map"), (points.pixels, "in the image")):
         if _width_over_length(places) < _STRAIGHT:
             raise CalibrationError(
                 f'camera "{name}": the {len(points)} points lie on a line {where}; pick some beside it'
             )
     share = points.pixels / [width_px, height_px]
+    every = share if on_lines_px is None else np.concatenate([share, on_lines_px / [width_px, height_px]])
     for low, high, side in (
-        (share[:, 0].max() < _ONE_SIDE, share[:, 0].min() > 1 - _ONE_SIDE, ("left", "right")),
-        (share[:, 1].max() < _ONE_SIDE, share[:, 1].min() > 1 - _ONE_SIDE, ("upper", "lower")),
+        (every[:, 0].max() < _ONE_SIDE, every[:, 0].min() > 1 - _ONE_SIDE, ("left", "right")),
+        (every[:, 1].max() < _ONE_SIDE, every[:, 1].min() > 1 - _ONE_SIDE, ("upper", "lower")),
     ):
         if low or high:
             raise CalibrationError(
                 f'camera "{name}": all {len(points)} points lie in the {side[0] if low else side[1]} third of the '
-                "image, all on one side; pick some on the other"
+                "image, all on one side; pick some on the other, or pixels on lines there"
             )
     if _hull_area(share) < _LEAST_AREA:
         raise CalibrationError(

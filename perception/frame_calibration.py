@@ -30,7 +30,7 @@ from perception.road_paint import (
     strokes_across,
 )
 
-_FARTHEST_M, _EVERY_PX = 70.0, 10.0
+_FARTHEST_M, _EVERY_PX = 70.0, 6.0
 _FIRST_GATE_PX, _STIFF = 12.0, 0.2
 _GATES_PX = (5.0, 3.0, 3.0)
 _STARTS = 6
@@ -38,9 +38,11 @@ _LEAST_SHARE, _CLEAR_SHARE = 0.4, 0.6  # of the paint, to be believed, and to lo
 _GATE_M, _CORNER_GATE_M = 0.5, 0.2  # nearer than the next stroke, and the next corner, of a map
 _LEAST_GATE_PX, _LEAST_CORNER_PX = 1.5, 6.0
 _BARS_APART_PX_PER_M = 24.0  # along a crosswalk's side: its bars must not run into each other
+_ENDS_PX_PER_M = 15.0  # along the bar or the dash that ends
 _STRETCH_M = 5.0
+_UNEVEN = 0.12  # sides of a stroke that is measured; to be counted, any will do
 _NARROWEST_PX = 1.2  # stroke that is still looked for
-_NOISE = Noise(sigma_px=0.3)
+_NOISE = Noise(sigma_px=0.15)
 
 
 @dataclass(frozen=True)
@@ -107,7 +109,7 @@ def _share_found(light: NDArray[np.float32], camera: Camera, paint: PaintMap) ->
     for line in paint.lines:
         looks = looks_along(camera, line, every_px=_EVERY_PX, farthest_m=_FARTHEST_M)
         asked += len(_clear(looks, _GATES_PX[0]))
-        found += int(_on_line(light, looks, _GATES_PX[0]).seen.sum())
+        found += int(_on_line(light, looks, _GATES_PX[0], uneven=1.0).seen.sum())
     return found / max(asked, 1)
 
 
@@ -132,13 +134,15 @@ def _matched(
     names: list[str] = []
     pixels: list[FloatArray] = []
     courses: list[FloatArray] = []
+    sigmas_m: list[FloatArray] = []
     for line in paint.lines:
         looks = looks_along(camera, line, every_px=_EVERY_PX, farthest_m=_FARTHEST_M)
         found = _on_line(light, looks, gate_px)
         names += int(found.seen.sum()) * [line.name]
         pixels.append(found.pixels[found.seen])
         courses += [stretch_around(line.course_m, place, _STRETCH_M) for place in looks.places_m[found.seen]]
-    lines = LinePicks(tuple(names), np.concatenate(pixels), tuple(courses), np.full(len(names), map_sigma_m))
+        sigmas_m.append(np.hypot(map_sigma_m, line.sigma_px / looks.across_px_per_m[found.seen]))
+    lines = LinePicks(tuple(names), np.concatenate(pixels), tuple(courses), np.concatenate(sigmas_m))
     return _corners(light, camera, paint, gate_px, map_sigma_m), lines
 
 
@@ -149,17 +153,20 @@ def _reach_px(looks: Looks, gate_px: float) -> FloatArray:
 def _clear(looks: Looks, gate_px: float) -> IntArray:
     """Rows of ``looks`` that the picture is sharp enough to tell."""
     is_wide = looks.line.width_m * looks.across_px_per_m > _NARROWEST_PX
-    is_apart = looks.along_px_per_m > _BARS_APART_PX_PER_M
+    is_apart = (looks.along_px_per_m > _BARS_APART_PX_PER_M) & (looks.across_px_per_m > _ENDS_PX_PER_M)
     clear = is_wide if looks.line.width_m > 0.0 else is_apart
     return np.flatnonzero((_reach_px(looks, gate_px) > _LEAST_GATE_PX) & clear)
 
 
-def _on_line(light: NDArray[np.float32], looks: Looks, gate_px: float) -> Found:
+def _on_line(light: NDArray[np.float32], looks: Looks, gate_px: float, *, uneven: float = _UNEVEN) -> Found:
     """One row for each place of ``looks``."""
     rows = _clear(looks, gate_px)
     reach, width = _reach_px(looks, gate_px)[rows], (looks.line.width_m * looks.across_px_per_m)[rows]
     asked = light, looks.pixels[rows], looks.normals[rows]
-    found = strokes_across(*asked, width, reach) if looks.line.width_m > 0.0 else edges_across(*asked, reach)
+    if looks.line.width_m > 0.0:
+        found = strokes_across(*asked, width, reach, uneven=uneven)
+    else:
+        found = edges_across(*asked, reach)
     pixels = np.full((len(looks.pixels), 2), np.nan)
     pixels[rows] = found.pixels
     return Found(pixels, np.isfinite(pixels[:, 0]))

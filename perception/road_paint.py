@@ -16,6 +16,7 @@ from contracts.arrays import freeze
 _LEAST_CONTRAST = 18.0  # levels between paint and asphalt
 _STEP_PX = 0.5  # between samples of a profile
 _BEYOND_PX = 3.0  # asphalt that must show beside a stroke
+_FLANK = 4  # samples to either side of a stroke that its middle is reckoned from
 _WIDTH_RATIO, _WIDTH_SLACK_PX = 1.6, 1.5
 _CORNER_WINDOW_PX, _CORNER_DARK, _CORNER_EVEN = 4, 35.0, 0.04
 
@@ -47,19 +48,27 @@ def brightness(image: ImageArray) -> NDArray[np.float32]:
 
 
 def strokes_across(
-    light: NDArray[np.float32], places_px: FloatArray, normals: FloatArray, widths_px: FloatArray, reach_px: FloatArray
+    light: NDArray[np.float32],
+    places_px: FloatArray,
+    normals: FloatArray,
+    widths_px: FloatArray,
+    reach_px: FloatArray,
+    *,
+    uneven: float = 1.0,
 ) -> Found:
     """The middle of a bright stroke across each of N places.
 
     places_px, normals: (N, 2) where a stroke is expected and the unit vector across it. widths_px: (N,) its width.
     reach_px: (N,) how far to either side it may lie. A stroke must be as wide as expected, with asphalt on both sides.
+    uneven: how differently bright the two sides may be, over the stroke's height: what is bright or dark beside a
+        stroke draws its middle to one side.
     """
     pixels = np.full((len(places_px), 2), np.nan)
     for row, (place, normal, width, reach) in enumerate(zip(places_px, normals, widths_px, reach_px, strict=True)):
         half = float(reach + width / 2 + _BEYOND_PX)
         offsets, profile = _profile(light, place, normal, half)
         low = float(np.median(profile))
-        found = _stroke(offsets, profile, low, float(width), float(reach))
+        found = _stroke(offsets, profile, low, width=float(width), reach=float(reach), uneven=uneven)
         if found is not None:
             pixels[row] = place + found * normal
     return Found(pixels, np.isfinite(pixels[:, 0]))
@@ -113,7 +122,9 @@ def _profile(
     return offsets, np.mean(sampled, axis=0).astype(np.float64)
 
 
-def _stroke(offsets: FloatArray, profile: FloatArray, low: float, width: float, reach: float) -> float | None:
+def _stroke(
+    offsets: FloatArray, profile: FloatArray, low: float, *, width: float, reach: float, uneven: float
+) -> float | None:
     """Where the only stroke of the right width has its middle; None where there is none, or more than one."""
     low = min(low, float(np.percentile(profile, 30)))
     high = float(profile.max())
@@ -127,7 +138,10 @@ def _stroke(offsets: FloatArray, profile: FloatArray, low: float, width: float, 
         if start == 0 or stop == len(profile):
             continue
         if width / _WIDTH_RATIO - _WIDTH_SLACK_PX <= size <= width * _WIDTH_RATIO + _WIDTH_SLACK_PX:
-            begin, end = max(0, start - 4), min(len(profile), stop + 4)
+            begin, end = max(0, start - _FLANK), min(len(profile), stop + _FLANK)
+            left, right = float(profile[begin:start].min()), float(profile[stop:end].min())
+            if abs(left - right) > uneven * (high - max(left, right)):
+                return None
             weight = np.maximum(profile[begin:end] - low - 0.1 * (high - low), 0.0)
             middles.append(float((weight * offsets[begin:end]).sum() / weight.sum()))
     near = [middle for middle in middles if abs(middle) <= reach]

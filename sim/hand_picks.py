@@ -3,7 +3,7 @@
 import numpy as np
 
 from contracts import BoolArray, Camera, FloatArray, IntArray
-from georef.hd_map import AreaKind, HdMap
+from georef.hd_map import AreaKind, HdMap, Line
 from georef.picks import LinePicks, PointPicks
 from sim.projection import project
 
@@ -22,7 +22,7 @@ def hand_picks(
     noise_px: float = 1.0,
     wrong_share: float = 0.1,
 ) -> tuple[PointPicks, LinePicks]:
-    """Up to ``points`` picks of points, as far apart in the image as they can be, and some pixels on lane markings.
+    """Up to ``points`` picks of points, as far apart in the image as they can be, and some pixels on painted lines.
 
     camera: the true one. Where a thing truly is decides the pixel; where ``owners_map`` has it, the pick's place.
     noise_px: per axis. wrong_share: of the picks of points, put somewhere else in the image.
@@ -54,6 +54,17 @@ def _points(hd_map: HdMap) -> tuple[list[str], list[FloatArray]]:
     return [name for name, _ in named], [place for _, place in named]
 
 
+def _lines(hd_map: HdMap) -> list[Line]:
+    """Lines on which one can pick anywhere: unbroken markings, stop lines, and crosswalks' sides, where bars end."""
+    unbroken = [line for line in hd_map.lane_markings if not line.dash_m]
+    sides = []
+    for area in hd_map.painted_areas:
+        if area.kind is AreaKind.CROSSWALK:
+            half = len(area.ring_m) // 2
+            sides += [Line(f"{area.id}/right", area.ring_m[:half]), Line(f"{area.id}/left", area.ring_m[half:])]
+    return [*unbroken, *hd_map.stop_lines, *sides]
+
+
 def _seen(camera: Camera, places_m: FloatArray, farthest_m: float) -> tuple[FloatArray, BoolArray]:
     pixels, valid = project(camera, places_m)
     size = np.array([camera.intrinsics.width_px, camera.intrinsics.height_px])
@@ -77,12 +88,10 @@ def _spread(pixels: FloatArray, rows: IntArray, count: int) -> IntArray:
 def _on_lines(
     camera: Camera, true_map: HdMap, owners_map: HdMap, rng: np.random.Generator, noise_px: float
 ) -> LinePicks:
-    believed = {line.id: line.points_m for line in owners_map.lane_markings}
+    believed = {line.id: line.points_m for line in _lines(owners_map)}
     names: list[str] = []
     pixels: list[FloatArray] = []
-    for line in true_map.lane_markings:
-        if line.dash_m:
-            continue
+    for line in _lines(true_map):
         shown, seen = _seen(camera, line.places_m(np.arange(0.0, line.length_m, _STEP_M)), _ON_LINES_M)
         rows = _spread(shown, np.flatnonzero(seen).astype(np.int64), _PER_LINE)
         names += len(rows) * [line.id]

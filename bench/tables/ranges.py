@@ -1,12 +1,16 @@
 """What paper T's protocol hides: the whole error in the plane, by range, against the truth."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 import shapely
 
 from bench.scores import Score
+from bench.scoring.ground import ELLIPSE_90
 from bench.tables.part import Grid, Part, number
 from bench.tables.road_film import CALIBRATORS, FilmedCamera
-from contracts import FloatArray
+from contracts import BoolArray, FloatArray
 from georef.calibrated import CalibratedCamera
 from georef.hd_map import LaneUse
 from georef.locate import locate_pixels
@@ -16,19 +20,41 @@ RANGES_M = ((0.0, 20.0), (20.0, 30.0), (30.0, 40.0), (40.0, 50.0), (50.0, 60.0))
 WITHIN_M = 40.0
 _STEP_M = 1.0
 
-Places = dict[str, list[tuple[FloatArray, FloatArray]]]
-"""By calibrator, of each camera: ranges (N,) and errors (N,) in metres."""
+
+@dataclass(frozen=True, eq=False)
+class PlaceErrors:
+    """Of N places before one camera, or before many. NaN, and no True, where nothing was located.
+
+    ranges_m: (N,) from the pole's foot. errors_m: (N,) in the plane. inside: (N,) within their own 90 % ellipse.
+    """
+
+    ranges_m: FloatArray
+    errors_m: FloatArray
+    inside: BoolArray
+
+    @classmethod
+    def of_all(cls, some: Sequence["PlaceErrors"]) -> "PlaceErrors":
+        """Of many cameras together."""
+        return cls(
+            np.concatenate([np.empty(0), *(one.ranges_m for one in some)]),
+            np.concatenate([np.empty(0), *(one.errors_m for one in some)]),
+            np.concatenate([np.empty(0, np.bool_), *(one.inside for one in some)]),
+        )
 
 
-def errors_by_place(filmed: FilmedCamera, calibrator: str, *, flat: bool = False) -> tuple[FloatArray, FloatArray]:
-    """Ranges (N,) and errors (N,) in metres, NaN where nothing is located, of places of the road in the image.
+ByCalibrator = dict[str, list[PlaceErrors]]
+"""One entry for each camera that was calibrated."""
+
+
+def errors_by_place(filmed: FilmedCamera, calibrator: str, *, flat: bool = False) -> PlaceErrors:
+    """Errors at places of the road in the image.
 
     The image of each place is exact: OpenCV's, through the true camera. flat: the ground is taken to be
     as high everywhere as below the camera, which only a camera, no homography, can do.
     """
     found = filmed.found[calibrator]
     if isinstance(found, str):
-        return np.empty(0), np.empty(0)
+        return PlaceErrors.of_all(())
     places = road_places(filmed)
     pixels, _ = project(filmed.true, places)
     if flat and filmed.ground is not None and isinstance(found, CalibratedCamera):
@@ -37,7 +63,12 @@ def errors_by_place(filmed: FilmedCamera, calibrator: str, *, flat: bool = False
     else:
         located = locate_pixels(found, pixels, ground=filmed.ground)
     ranges = np.linalg.norm(places[:, :2] - filmed.true.pose.position_m[:2], axis=1)
-    return ranges, np.linalg.norm(located.positions_m - places[:, :2], axis=1)
+    errors = located.positions_m - places[:, :2]
+    inside = np.zeros(len(errors), np.bool_)
+    ok = located.valid
+    towards = np.linalg.solve(located.covs_m2[ok], errors[ok][:, :, None])[:, :, 0]
+    inside[ok] = (errors[ok] * towards).sum(axis=1) <= ELLIPSE_90
+    return PlaceErrors(ranges, np.linalg.norm(errors, axis=1), inside)
 
 
 def road_places(filmed: FilmedCamera) -> FloatArray:
@@ -53,7 +84,7 @@ def road_places(filmed: FilmedCamera) -> FloatArray:
     return np.asarray(places[valid & inside & near])
 
 
-def ranges(everything: Places, refused: dict[str, int]) -> Part:
+def ranges(everything: ByCalibrator, refused: dict[str, int]) -> Part:
     """One row per calibrator: root mean square by range, and the mean within 40 m. refused: cameras, by calibrator."""
     says = (
         "Places a metre apart on the lanes before the true camera, imaged exactly, and located: root mean square of "
@@ -63,7 +94,7 @@ def ranges(everything: Places, refused: dict[str, int]) -> Part:
     return _part("ranges", "The whole error by range", says, everything, refused)
 
 
-def flat_ground(everything: Places, refused: dict[str, int]) -> Part:
+def flat_ground(everything: ByCalibrator, refused: dict[str, int]) -> Part:
     """The same where the road climbs and is taken to be level."""
     says = (
         "The same places of the roads that climb, as if the ground were everywhere as high as below the camera, "
@@ -72,16 +103,21 @@ def flat_ground(everything: Places, refused: dict[str, int]) -> Part:
     return _part("flat_ground", "What flat ground costs on a slope", says, everything, refused)
 
 
-def _part(key: str, title: str, says: str, everything: Places, refused: dict[str, int]) -> Part:
+def _part(key: str, title: str, says: str, everything: ByCalibrator, refused: dict[str, int]) -> Part:
     rows, scores = [], []
     for name, seen in everything.items():
-        away, errors = (np.concatenate([np.empty(0), *(one[k] for one in seen)]) for k in range(2))
+        all_places = PlaceErrors.of_all(seen)
+        away, errors = all_places.ranges_m, all_places.errors_m
         bins = [errors[(away >= low) & (away < high) & np.isfinite(errors)] for low, high in RANGES_M]
         near = errors[(away < WITHIN_M) & np.isfinite(errors)]
         mean = float(near.mean()) if len(near) else float("nan")
         figures = [float(np.sqrt((some**2).mean())) if len(some) else float("nan") for some in bins]
+        located = np.isfinite(errors)
+        inside = float(all_places.inside[located].mean()) if located.any() else float("nan")
         cameras = f"{len(seen)}, {refused[name]} refused" if refused[name] else str(len(seen))
-        rows.append((CALIBRATORS[name], cameras, *(number(value, ".3f") for value in figures), number(mean, ".3f")))
+        by_range = (number(value, ".3f") for value in figures)
+        rows.append((CALIBRATORS[name], cameras, *by_range, number(mean, ".3f"), number(inside, ".1%")))
+        scores.append(Score.of(f"{key}.{name}.coverage_90", inside, "1", int(located.sum())))
         scores.append(Score.of(f"{key}.{name}.mean_within_40_m", mean, "m", len(near)))
         scores += [
             Score.of(f"{key}.{name}.rms_{low:.0f}_{high:.0f}_m", value, "m", len(some))
@@ -92,5 +128,6 @@ def _part(key: str, title: str, says: str, everything: Places, refused: dict[str
         "cameras",
         *(f"{low:.0f} – {high:.0f} m" for low, high in RANGES_M),
         "mean to 40 m",
+        "inside own 90 % ellipse",
     )
     return Part(key, title, says, (Grid(head, tuple(rows)),), scores=tuple(scores))

@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.progress import track
 
 from bench.tables.part import Part
-from bench.tables.ranges import Places, errors_by_place, flat_ground, ranges
+from bench.tables.ranges import ByCalibrator, errors_by_place, flat_ground, ranges
 from bench.tables.road_film import CALIBRATORS, FilmedCamera, film_road
 from bench.tables.road_picture import road_picture
 from bench.tables.tablea1 import Projected, lane_paths, project_lanes, table_a1
@@ -26,8 +26,8 @@ class RoadEvaluation:
     """What every calibrator made of every camera so far."""
 
     lanes: dict[str, list[Projected]] = field(default_factory=lambda: {name: [] for name in CALIBRATORS})
-    places: Places = field(default_factory=lambda: {name: [] for name in CALIBRATORS})
-    flat: Places = field(default_factory=lambda: {name: [] for name in CALIBRATORS})  # where the road climbs
+    places: ByCalibrator = field(default_factory=lambda: {name: [] for name in CALIBRATORS})
+    flat: ByCalibrator = field(default_factory=lambda: {name: [] for name in CALIBRATORS})  # where the road climbs
     refused: dict[str, int] = field(default_factory=lambda: dict.fromkeys(CALIBRATORS, 0))
     cameras: int = 0
     picture: Part | None = None  # of the first camera that finds a lane

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from bench.road_calibration import FRAMES, frames_calibration, picks_of
+from bench.road_calibration import FRAMES, frames_calibration, picks_of, thinned
 from contracts import CalibrationError, Camera, Frame, ImageArray
 from georef.calibrated import CalibratedCamera
 from georef.ground_homography import GroundHomography
@@ -21,8 +21,6 @@ Finding = CalibratedCamera | GroundHomography
 MODELS = {"whole": "whole camera, 25 picks", "pan_tilt": "pan-tilt, 25 picks", "homography": "homography, 25 picks"}
 CALIBRATORS = {**MODELS, FRAMES: "whole camera, frames alone"}
 """What the tables call them, by the names in scores."""
-
-_FRAMES, _EVERY_S = 5, 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +47,7 @@ class FilmedCamera:
 
 def film_road(scenario: RoadScenario, *, seed: int | None = None) -> list[FilmedCamera]:
     """Film five frames of each camera, two seconds apart, and calibrate it in every way."""
-    seed = scenario.seed if seed is None else seed
-    thin = replace(scenario, fps=1.0 / _EVERY_S, duration_s=_FRAMES * _EVERY_S, seed=seed)
+    thin = thinned(scenario if seed is None else replace(scenario, seed=seed))
     world = build_world(thin)
     frames = [frame for step in world.steps() for frame in step.frames]
     true_map, owners_map = maps_of(thin)

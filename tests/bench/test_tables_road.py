@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.tables.ranges import ranges
+from bench.tables.ranges import PlaceErrors, ranges
 from bench.tables.road import RoadEvaluation, roads
 from bench.tables.road_film import CALIBRATORS, film_road
 from bench.tables.tablea1 import POINTS, Projected, table_a1
@@ -36,13 +36,21 @@ def test_planted_distances_come_back():
 
 def test_errors_fall_into_their_ranges_and_places_without_one_are_left_out():
     seen = {name: [] for name in CALIBRATORS}
-    seen["whole"] = [(np.array([5.0, 25.0, 25.0, 45.0, 39.0]), np.array([0.1, 0.3, 0.4, 2.0, np.nan]))]
+    seen["whole"] = [
+        PlaceErrors(
+            np.array([5.0, 25.0, 25.0, 45.0, 39.0]),
+            np.array([0.1, 0.3, 0.4, 2.0, np.nan]),
+            np.array([True, True, False, True, False]),
+        )
+    ]
     found = scores(ranges(seen, NOTHING))
     assert found["ranges.whole.rms_0_20_m"] == pytest.approx(0.1, abs=1e-12)
     assert found["ranges.whole.rms_20_30_m"] == pytest.approx(np.sqrt(0.125), abs=1e-12)
     assert found["ranges.whole.rms_40_50_m"] == pytest.approx(2.0, abs=1e-12)
     assert found["ranges.whole.mean_within_40_m"] == pytest.approx(0.8 / 3, abs=1e-12)
     assert found["ranges.whole.rms_30_40_m"] is None
+    assert found["ranges.whole.coverage_90"] == 0.75
+    assert found["ranges.frames.coverage_90"] is None
 
 
 def test_scenarios_of_the_rail_are_refused():

@@ -80,6 +80,15 @@ def test_what_is_not_as_expected_is_not_found():
     assert not strokes_across(two, place + np.array([0, 4]), up, 6.0 * ONE, 6.0 * ONE).seen[0]  # which of them?
 
 
+def test_a_stroke_whose_sides_differ_is_not_measured():
+    stroke = drawn(stripe(np.array([60.0, 50.0]), 0.0, 4.0))
+    kerb = np.maximum(stroke, drawn(stripe(np.array([60.0, 64.0]), 0.0, 20.0)))
+    place, up = np.array([[60.0, 50.0]]), np.array([[0.0, 1.0]])
+    assert strokes_across(stroke, place, up, 4.0 * ONE, 2.0 * ONE, uneven=0.12).seen[0]
+    shaded = np.where(np.arange(kerb.shape[0])[:, None] < 50, np.minimum(kerb, ASPHALT / 2), kerb)
+    assert not strokes_across(shaded.astype(np.float32), place, up, 4.0 * ONE, 2.0 * ONE, uneven=0.12).seen[0]
+
+
 def test_what_moves_is_not_in_the_still_picture():
     images = [np.full((4, 6, 3), 50, np.uint8) for _ in range(3)]
     images[1][2, 2] = 255

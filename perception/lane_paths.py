@@ -15,6 +15,7 @@ from perception.road_paint import strokes_across
 _EVERY_PX, _FARTHEST_M = 4.0, 62.0
 _STROKE_M = 0.15
 _GATE_PX, _LEAST_FOUND = 4.0, 8
+_UNEVEN = 0.25  # how unlike the grounds beside a stroke may be: grass and asphalt draw its middle to one side
 _GAP = 24  # places that a dashed stroke may leave open
 
 
@@ -57,7 +58,7 @@ def _side(light: NDArray[np.float32], camera: Camera, looks: Looks, right_m: flo
     rows = np.flatnonzero(valid)
     scale = looks.across_px_per_m[rows]
     width, reach = _STROKE_M * scale, np.minimum(_GATE_PX, 0.5 * scale)
-    found = strokes_across(light, expected[rows], looks.normals[rows], width, reach)
+    found = strokes_across(light, expected[rows], looks.normals[rows], width, reach, uneven=_UNEVEN)
     hits = rows[found.seen]
     if len(hits) < _LEAST_FOUND:
         return None

@@ -16,7 +16,11 @@ from contracts import FloatArray, InputError, IntArray
 MIN_PLACES = 4  # one more than a parabola needs, so that the places can contradict it
 FULL = 0.8  # share of its window that the places must span
 EXACT_M = 1e-7  # a place known exactly, as an oracle's is, counts as known to a tenth of a micrometre
+LASTING_SHARE, LASTING_S = 0.6, 0.1  # of a place's error that is still there, fading, at the next; from training films
 _ORDER = 3  # position, velocity, acceleration
+_TURNS = 25.0  # squared Mahalanobis distance of the velocity from none, from which its turning means something
+_CIRCLES = 2  # rounds: the first circle is told by a parabola through places that are not freed yet
+_LARGEST_TURN_RAD = 1.5  # within a window; beyond, no parabola tells the circle
 _VELOCITY = slice(2, 4)  # in the parameters: position (2), velocity (2), acceleration (2)
 _MOTION = slice(2, 6)
 
@@ -26,7 +30,8 @@ class Fit:
     """A parabola p(t) = p + v t + a t^2 / 2 through the places of one window, t = 0 at the newest.
 
     parameters: (6,) position, velocity, acceleration; metres and seconds.
-    covariance: (6, 6) if the places scatter about the parabola as they state.
+    covariance: (6, 6) if the places scatter about the parabola as they state, each for itself.
+    lasting_m2ps2: (2, 2) of the velocity, if a share of their errors lasts.
     misfit: by how much their squares exceed that, per degree of freedom; 1 where they do not.
     span_s: time between the oldest and the newest place.
     displacement_m, displacement_cov_m2: (2,) from the oldest to the newest place, and (2, 2) its covariance.
@@ -34,6 +39,7 @@ class Fit:
 
     parameters: FloatArray
     covariance: FloatArray
+    lasting_m2ps2: FloatArray
     misfit: float
     span_s: float
     displacement_m: FloatArray
@@ -47,7 +53,7 @@ class Fit:
     @property
     def velocity_cov_m2ps2(self) -> FloatArray:
         """(2, 2), widened by the misfit: places that are off, or no parabola (Birge 1932, Phys. Rev. 40, 207)."""
-        return self.misfit * self.covariance[_VELOCITY, _VELOCITY]
+        return self.misfit * self.lasting_m2ps2
 
     @property
     def velocity_square(self) -> float:
@@ -76,33 +82,109 @@ def parabolas(
     n = len(times_ns)
     if places_m.shape != (n, 2) or covs_m2.shape != (n, 2, 2) or n == 0 or (np.diff(times_ns) <= 0).any():
         raise InputError("a parabola needs rising times (K,) with places (K, 2) and covariances (K, 2, 2), K > 0")
-    ago_s = (times_ns[::-1] - times_ns[-1]) / 1e9  # (K,) from the newest back: 0, -0.04, ...
-    counts = np.searchsorted(-ago_s, np.asarray(windows_s) * (1 + 1e-9), side="right")
-    spans_s = -ago_s[counts - 1]
-    unit_s = max(float(-ago_s[-1]), 1e-9)  # times in units of the longest span keep the equations well-conditioned
-    powers = np.array([np.ones(n), ago_s / unit_s, (ago_s / unit_s) ** 2 / 2])  # (3, K)
-    weights = np.linalg.inv(covs_m2[::-1] + EXACT_M**2 * np.eye(2))  # (K, 2, 2)
-    moved_m = places_m[::-1] - places_m[-1]
-    weighted = np.einsum("kab,kb->ka", weights, moved_m)  # (K, 2)
-    squares = (weighted * moved_m).sum(axis=1).cumsum()  # (K,)
-    normal = np.einsum("pk,qk,kab->kpaqb", powers, powers, weights).reshape(n, 6, 6).cumsum(axis=0)
-    right = np.einsum("pk,ka->kpa", powers, weighted).reshape(n, 6).cumsum(axis=0)
-    to_seconds = np.repeat(unit_s ** -np.arange(_ORDER, dtype=np.float64), 2)  # (6,)
-    offset = np.concatenate([places_m[-1], np.zeros(4)])
+    sums = _Sums.of(times_ns, places_m, covs_m2)
+    counts = np.searchsorted(-sums.ago_s, np.asarray(windows_s) * (1 + 1e-9), side="right")
+    spans_s = -sums.ago_s[counts - 1]
     fits: list[Fit | None] = []
     for count, span_s, window_s in zip(counts.tolist(), spans_s.tolist(), windows_s, strict=True):
         if count < MIN_PLACES or span_s < FULL * window_s:
             fits.append(None)
             continue
-        covariance = np.linalg.inv(normal[count - 1])
-        scaled = covariance @ right[count - 1]
-        residual = float(squares[count - 1] - scaled @ right[count - 1])
-        misfit = max(1.0, residual / (2 * count - 6))
-        parameters = to_seconds * scaled + offset
-        covariance = 0.5 * (covariance + covariance.T) * np.outer(to_seconds, to_seconds)
+        parameters, inverse, misfit = sums.fitted(count)
+        parameters[:2] += places_m[-1]
+        lasting = _lasting(sums.velocity_gain(inverse, count), sums.weights[:count], sums.ago_s[:count])
         chord_m, chord_cov_m2 = places_m[-1] - places_m[-count], covs_m2[-1] + covs_m2[-count] + EXACT_M**2 * np.eye(2)
-        fits.append(Fit(parameters, covariance, misfit, span_s, chord_m, chord_cov_m2))
+        fits.append(Fit(parameters, sums.in_seconds(inverse), lasting, misfit, span_s, chord_m, chord_cov_m2))
     return fits
+
+
+@dataclass(frozen=True, eq=False)
+class _Sums:
+    """The least-squares problems of all windows that end at the newest place, the k-th of k + 1 places.
+
+    ago_s: (K,) 0 and falling. moved_m: (K, 2) from the newest place. weights: (K, 2, 2) inverse covariances.
+    unit_s: times are counted in it, that the equations stay well-conditioned. powers: (3, K) of the times.
+    normal: (K, 6, 6), right: (K, 6), squares: (K,) summed up.
+    """
+
+    ago_s: FloatArray
+    moved_m: FloatArray
+    weights: FloatArray
+    unit_s: float
+    powers: FloatArray
+    normal: FloatArray
+    right: FloatArray
+    squares: FloatArray
+
+    @classmethod
+    def of(cls, times_ns: IntArray, places_m: FloatArray, covs_m2: FloatArray) -> "_Sums":
+        """From places in the order of time."""
+        n, ago_s = len(times_ns), (times_ns[::-1] - times_ns[-1]) / 1e9
+        unit_s = max(float(-ago_s[-1]), 1e-9)
+        powers = np.array([np.ones(n), ago_s / unit_s, (ago_s / unit_s) ** 2 / 2])
+        weights = np.asarray(np.linalg.inv(covs_m2[::-1] + EXACT_M**2 * np.eye(2)), np.float64)
+        moved_m = places_m[::-1] - places_m[-1]
+        weighted = np.einsum("kab,kb->ka", weights, moved_m)
+        normal = np.einsum("pk,qk,kab->kpaqb", powers, powers, weights).reshape(n, 6, 6).cumsum(axis=0)
+        right = np.einsum("pk,ka->kpa", powers, weighted).reshape(n, 6).cumsum(axis=0)
+        return cls(ago_s, moved_m, weights, unit_s, powers, normal, right, (weighted * moved_m).sum(axis=1).cumsum())
+
+    def in_seconds(self, inverse: FloatArray) -> FloatArray:
+        """(6, 6) symmetric, from units of time."""
+        return np.asarray(0.5 * (inverse + inverse.T) * np.outer(self._seconds, self._seconds))
+
+    @property
+    def _seconds(self) -> FloatArray:
+        return np.repeat(self.unit_s ** -np.arange(_ORDER, dtype=np.float64), 2)
+
+    def fitted(self, count: int) -> tuple[FloatArray, FloatArray, float]:
+        """Parameters (6,) from the newest place, the inverse (6, 6) of the normal matrix, and the misfit."""
+        inverse, right, square = np.linalg.inv(self.normal[count - 1]), self.right[count - 1], self.squares[count - 1]
+        scaled, residual = inverse @ right, float(square - right @ inverse @ right)
+        for _ in range(_CIRCLES):
+            covariance = self.in_seconds(inverse)
+            bent_m = _circle_less_parabola(self._seconds * scaled, covariance, self.ago_s[:count])
+            bent = np.einsum("kab,kb->ka", self.weights[:count], bent_m)
+            freed = right - np.einsum("pk,ka->pa", self.powers[:, :count], bent).ravel()
+            scaled = inverse @ freed
+            residual = float(square + (bent * (bent_m - 2 * self.moved_m[:count])).sum() - scaled @ freed)
+        return self._seconds * scaled, inverse, max(1.0, residual / (2 * count - 6))
+
+    def velocity_gain(self, inverse: FloatArray, count: int) -> FloatArray:
+        """(2, K, 2) by which each place moves the velocity."""
+        rows = np.einsum("pk,kab->pakb", self.powers[:, :count], self.weights[:count]).reshape(6, 2 * count)
+        return np.asarray((inverse[_VELOCITY] @ rows / self.unit_s).reshape(2, count, 2))
+
+
+def _lasting(gain: FloatArray, weights: FloatArray, times_s: FloatArray) -> FloatArray:
+    """(2, 2) covariance of a velocity gain (2, K, 2) times the places, a share of whose errors fades with time.
+
+    weights: (K, 2, 2) inverse covariances of the places. times_s: (K,).
+    """
+    scaled = np.einsum("ikb,kbc->ikc", gain, np.linalg.cholesky(np.linalg.inv(weights)))
+    alike = LASTING_SHARE * np.exp(-np.abs(times_s[:, None] - times_s) / LASTING_S)
+    np.fill_diagonal(alike, 1.0)
+    covariance = np.einsum("ikc,kl,jlc->ij", scaled, alike, scaled)
+    return np.asarray(0.5 * (covariance + covariance.T))
+
+
+def _circle_less_parabola(parameters: FloatArray, covariance: FloatArray, times_s: FloatArray) -> FloatArray:
+    """(K, 2) metres by which a circle departs from the parabola of the same position, velocity and turn at t = 0.
+
+    parameters: (6,), covariance: (6, 6). times_s: (K,). Nothing where the thing hardly moves or turns too far.
+    """
+    velocity, acceleration = parameters[_VELOCITY], parameters[4:]
+    left = np.array([-velocity[1], velocity[0]])
+    square = float(velocity @ velocity)
+    none = np.zeros((len(times_s), 2))
+    if square == 0.0 or _square(velocity, covariance[_VELOCITY, _VELOCITY]) < _TURNS:
+        return none
+    turn_radps = float(left @ acceleration) / square
+    turned = turn_radps * times_s
+    if turn_radps == 0.0 or np.abs(turned).max() > _LARGEST_TURN_RAD:
+        return none
+    ahead_s, aside_s = np.sin(turned) / turn_radps - times_s, (1 - np.cos(turned)) / turn_radps - turned * times_s / 2
+    return np.asarray(np.outer(ahead_s, velocity) + np.outer(aside_s, left))
 
 
 def longest_that_agrees(fits: Sequence[Fit], confidence: float) -> Fit:

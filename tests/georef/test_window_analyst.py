@@ -82,16 +82,16 @@ def test_moving_the_world_changes_nothing(path_m, east_m, north_m):
     assert plain.directions == other.directions
 
 
-@given(WALKS)
+@given(st.floats(0.1, 0.6), st.floats(0.8, 5.0), ANGLES)
 @settings(max_examples=20, deadline=None)
-def test_time_run_backwards_reverses_a_parabola_from_the_same_places(path_m):
+def test_time_run_backwards_turns_a_circle_round(speed_mps, radius_m, phase_rad):
+    path_m = circle(speed_mps, radius_m, 20, phase_rad)
     times_ns = np.arange(len(path_m)) * 40_000_000
     covs_m2 = np.tile(np.eye(2) * 1e-6, (len(path_m), 1, 1))
     (there,), (back,) = (parabolas(times_ns, one[:, 0], covs_m2, [0.8]) for one in (path_m, path_m[::-1]))
-    span_s = there.span_s
-    velocity, acceleration = back.parameters[2:4], back.parameters[4:6]
-    assert np.abs(there.parameters[4:6] - acceleration).max() < 1e-9
-    assert np.abs(there.velocity_mps + (velocity - span_s * acceleration)).max() < 1e-9
+    turn_rad = there.span_s * speed_mps / radius_m
+    assert np.abs(there.velocity_mps + turned(back.velocity_mps, turn_rad)).max() < 1e-4
+    assert np.abs(there.covariance - back.covariance).max() < 1e-12
 
 
 @given(st.floats(0.1, 0.6), ANGLES)
@@ -127,8 +127,8 @@ def test_a_straight_motion_is_recovered_within_five_of_its_sigmas(speed_mps, hea
 def test_on_a_circle_the_heading_is_the_tangent_now(speed_mps, radius_m, phase_rad):
     said = analysed(moments(circle(speed_mps, radius_m, phase_rad=phase_rad)))[-1]
     tangent = phase_rad + 39 * PERIOD_S * speed_mps / radius_m + pi / 2
-    assert angle_between(said.headings_rad[0], tangent) < 0.002
-    assert abs(said.speeds_mps[0] - speed_mps) < 0.003
+    assert angle_between(said.headings_rad[0], tangent) < 5e-4
+    assert abs(said.speeds_mps[0] - speed_mps) < 2e-4
 
 
 def test_many_noisy_circles_have_no_bias_and_keep_their_stated_sigma():

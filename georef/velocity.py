@@ -7,6 +7,7 @@ every shorter one. Nothing has to be known of the vehicles: neither how they acc
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.stats import chi2
@@ -17,6 +18,7 @@ MIN_PLACES = 4  # one more than a parabola needs, so that the places can contrad
 FULL = 0.8  # share of its window that the places must span
 EXACT_M = 1e-7  # a place known exactly, as an oracle's is, counts as known to a tenth of a micrometre
 LASTING_SHARE, LASTING_S = 0.6, 0.1  # of a place's error that is still there, fading, at the next; from training films
+_MILLIONTH, _EXACT = 1e-6, 1e-9  # chance that is none; scatter of places without any error
 _ORDER = 3  # position, velocity, acceleration
 _TURNS = 25.0  # squared Mahalanobis distance of the velocity from none, from which its turning means something
 _CIRCLES = 2  # rounds: the first circle is told by a parabola through places that are not freed yet
@@ -75,6 +77,9 @@ def parabolas(
 ) -> list[Fit | None]:
     """The weighted least-squares parabola of each window, the windows in rising order; None where it is not full.
 
+    Places that scatter less than chance allows err together, as by their camera's calibration: that moves no velocity,
+    and what each errs by itself is taken to be as small as the scatter tells.
+
     times_ns: (K,) rising. places_m: (K, 2). covs_m2: (K, 2, 2) positive semidefinite, errors independent from place to
     place. A window is full if its places span most of it and are at least ``MIN_PLACES``.
     Raises InputError if the arrays do not fit each other or times do not rise.
@@ -85,17 +90,49 @@ def parabolas(
     sums = _Sums.of(times_ns, places_m, covs_m2)
     counts = np.searchsorted(-sums.ago_s, np.asarray(windows_s) * (1 + 1e-9), side="right")
     spans_s = -sums.ago_s[counts - 1]
+    is_full = (counts >= MIN_PLACES) & (spans_s >= FULL * np.asarray(windows_s))
+    solved = [
+        sums.fitted(count) if full else None for count, full in zip(counts.tolist(), is_full.tolist(), strict=True)
+    ]
+    own = min([1.0, *(one.scatter / _least_scatter(one.freedom) for one in solved if one is not None)])
     fits: list[Fit | None] = []
-    for count, span_s, window_s in zip(counts.tolist(), spans_s.tolist(), windows_s, strict=True):
-        if count < MIN_PLACES or span_s < FULL * window_s:
+    for count, one in zip(counts.tolist(), solved, strict=True):
+        if one is None:
             fits.append(None)
             continue
-        parameters, inverse, misfit = sums.fitted(count)
-        parameters[:2] += places_m[-1]
-        lasting = _lasting(sums.velocity_gain(inverse, count), sums.weights[:count], sums.ago_s[:count])
-        chord_m, chord_cov_m2 = places_m[-1] - places_m[-count], covs_m2[-1] + covs_m2[-count] + EXACT_M**2 * np.eye(2)
-        fits.append(Fit(parameters, sums.in_seconds(inverse), lasting, misfit, span_s, chord_m, chord_cov_m2))
+        lasting = _lasting(sums.velocity_gain(one.inverse, count), sums.weights[:count], sums.ago_s[:count])
+        chord_cov_m2 = covs_m2[-1] + covs_m2[-count] + EXACT_M**2 * np.eye(2)
+        fits.append(
+            Fit(
+                one.parameters + np.concatenate([places_m[-1], np.zeros(4)]),
+                own * sums.in_seconds(one.inverse),
+                own * lasting,
+                max(1.0, one.scatter / own),
+                float(-sums.ago_s[count - 1]),
+                places_m[-1] - places_m[-count],
+                own * chord_cov_m2,
+            )
+        )
     return fits
+
+
+@lru_cache(maxsize=512)
+def _least_scatter(freedom: int) -> float:
+    """Mean square of ``freedom`` standard normal numbers, below which it lies once in a million times."""
+    return float(chi2.ppf(_MILLIONTH, df=freedom)) / freedom
+
+
+@dataclass(frozen=True, eq=False)
+class _Solved:
+    """parameters: (6,) from the newest place. inverse: (6, 6) of the normal matrix, in units of time.
+
+    scatter: mean square of the places about the curve, over what they state. freedom: degrees of it.
+    """
+
+    parameters: FloatArray
+    inverse: FloatArray
+    scatter: float
+    freedom: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,8 +174,8 @@ class _Sums:
     def _seconds(self) -> FloatArray:
         return np.repeat(self.unit_s ** -np.arange(_ORDER, dtype=np.float64), 2)
 
-    def fitted(self, count: int) -> tuple[FloatArray, FloatArray, float]:
-        """Parameters (6,) from the newest place, the inverse (6, 6) of the normal matrix, and the misfit."""
+    def fitted(self, count: int) -> _Solved:
+        """Through the newest ``count`` places."""
         inverse, right, square = np.linalg.inv(self.normal[count - 1]), self.right[count - 1], self.squares[count - 1]
         scaled, residual = inverse @ right, float(square - right @ inverse @ right)
         for _ in range(_CIRCLES):
@@ -148,7 +185,8 @@ class _Sums:
             freed = right - np.einsum("pk,ka->pa", self.powers[:, :count], bent).ravel()
             scaled = inverse @ freed
             residual = float(square + (bent * (bent_m - 2 * self.moved_m[:count])).sum() - scaled @ freed)
-        return self._seconds * scaled, inverse, max(1.0, residual / (2 * count - 6))
+        freedom = 2 * count - 6
+        return _Solved(self._seconds * scaled, inverse, max(residual / freedom, _EXACT), freedom)
 
     def velocity_gain(self, inverse: FloatArray, count: int) -> FloatArray:
         """(2, K, 2) by which each place moves the velocity."""

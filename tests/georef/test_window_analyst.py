@@ -112,6 +112,16 @@ def test_a_covariance_k_times_as_wide_widens_the_sigmas_k_times(k):
     assert abs(wide.heading_sigmas_rad[0] / plain.heading_sigmas_rad[0] - k) < 1e-6
 
 
+@given(ANGLES, SEEDS, st.floats(-0.3, 0.3), st.floats(-0.3, 0.3))
+@settings(max_examples=20, deadline=None)
+def test_an_error_that_all_places_share_hides_no_motion(heading_rad, seed, east_m, north_m):
+    path_m = straight((1.4 * cos(heading_rad), 1.4 * sin(heading_rad)), 30, (east_m, north_m))
+    said = analysed(moments(path_m, sigma_m=2e-3, seed=seed, stated_m=0.2))[-1]
+    assert said.states == (MotionState.MOVING,)
+    assert angle_between(said.headings_rad[0], heading_rad) < 5 * said.heading_sigmas_rad[0]
+    assert 1e-3 < said.speed_sigmas_mps[0] < 0.1
+
+
 @given(st.floats(0.15, 0.6), ANGLES, SEEDS, st.sampled_from([3e-4, 8e-4]))
 @settings(max_examples=40, deadline=None)
 def test_a_straight_motion_is_recovered_within_five_of_its_sigmas(speed_mps, heading_rad, seed, sigma_m):

@@ -5,6 +5,7 @@ OpenCV's functions: cvtColor, calcHist, calcBackProject, filter2D with a disc of
 and closing, contours, smallest rotated rectangle, all of it on the whole frame. It is given the same colour models. The
 time is the processor's, the least of some repetitions; where a detector places a vehicle is held against the truth:
 ours gives the roof's centre, the textbook's the middle of a rectangle round roof, walls and what the disc smeared.
+Ours goes on where the textbook chain ends, to measure the roof to a tenth of a pixel; ``outline`` is ours without that.
 """
 
 import time
@@ -90,6 +91,17 @@ def ours(models: ColourModels, camera: Camera) -> Locate:
     return locate
 
 
+def outlines(models: ColourModels, camera: Camera) -> Locate:
+    """Ours up to the smallest rotated rectangle, where the textbook chain ends: its centres by label."""
+    detector = HistogramBackProjection(models, camera)
+
+    def locate(frame: Frame) -> Places:
+        found = detector.silhouettes(frame.image)
+        return {label: np.array(outline.rectangle[0]) for label, outline in found.items()}
+
+    return locate
+
+
 def side_by_side(methods: Sequence[Locate], shots: Sequence[Shot]) -> tuple[FloatArray, list[list[float]]]:
     """Seconds of each method (M, frames), the least of the repetitions, and its errors in px of whole vehicles."""
     seconds = np.full((len(methods), len(shots)), np.inf)
@@ -124,17 +136,19 @@ def measure(frames: int) -> list[Score]:
     one = ColourModels(tuple(m for m in models.models if m.label == label), models.focal_px, models.height_m)
     scores = []
     for name, chosen in (("", one), ("_all_colours", models)):
-        methods = ours(chosen, camera), textbook(chosen.models, scale_px_per_m)
+        methods = ours(chosen, camera), outlines(chosen, camera), textbook(chosen.models, scale_px_per_m)
         seconds, errors = side_by_side(methods, shots)
-        fast, slow = seconds.mean(axis=1).tolist()
-        near, far = (float(np.sqrt(np.mean(np.square(each)))) for each in errors)
+        fast, outline, slow = seconds.mean(axis=1).tolist()
+        near, _, far = (float(np.sqrt(np.mean(np.square(each)))) for each in errors)
         n = len(shots)
         scores += [
             Score(f"hbp.fps{name}", 1 / fast, "1/s", n, True),
             Score(f"hbp.textbook_fps{name}", 1 / slow, "1/s", n, True),
             Score(f"hbp.fps_ratio{name}", slow / fast, "1", n, True),
+            Score(f"hbp.outline_fps{name}", 1 / outline, "1/s", n, True),
+            Score(f"hbp.outline_fps_ratio{name}", slow / outline, "1", n, True),
             Score(f"hbp.rms{name}", near, "px", len(errors[0]), True),
-            Score(f"hbp.textbook_rms{name}", far, "px", len(errors[1]), True),
+            Score(f"hbp.textbook_rms{name}", far, "px", len(errors[2]), True),
         ]
     return scores
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from scipy.stats import chi2
@@ -10,6 +11,7 @@ from contracts import FloatArray, GroundTracks, InputError
 
 FUSED = "fused"
 _EXACT_M = 1e-7
+_CONTRADICTION = float(chi2.isf(1e-6, df=2))  # squared Mahalanobis distance that chance does not make
 _Key = tuple[str, int]  # camera, track id
 
 
@@ -23,6 +25,27 @@ class _View:
     cov_m2: FloatArray
 
 
+@dataclass(frozen=True, eq=False)
+class _Past:
+    """Where an object was, (2,), and how fast, (2,), if it was seen in the moment before too."""
+
+    time_ns: int
+    position_m: FloatArray
+    velocity_mps: FloatArray | None
+
+    @classmethod
+    def after(cls, before: "_Past | None", time_ns: int, position_m: FloatArray) -> "_Past":
+        if before is None or time_ns <= before.time_ns:
+            return cls(time_ns, position_m, None)
+        return cls(time_ns, position_m, (position_m - before.position_m) / ((time_ns - before.time_ns) * 1e-9))
+
+    def expected_m(self, time_ns: int) -> FloatArray | None:
+        """(2,) where it would be with that velocity."""
+        if self.velocity_mps is None:
+            return None
+        return np.asarray(self.position_m + self.velocity_mps * ((time_ns - self.time_ns) * 1e-9))
+
+
 class CovarianceFuser:
     """Merges the cameras' views of a moment; implements ``contracts.Fuser``.
 
@@ -31,7 +54,9 @@ class CovarianceFuser:
     chi-square). Of conflicting pairs the nearest come first, so that two objects with one label stay two.
 
     The fused place is the mean weighted by information (inverse covariance), the fused covariance the inverse of the
-    summed information: the cameras were calibrated apart, so their errors are independent.
+    summed information: the cameras were calibrated apart, so their errors are independent. Rows that contradict each
+    other by more than chance allows are not averaged: one of them is wrong, whatever it says. Those count that agree
+    with the one nearest to where the object would be by its motion, or, if that is not known, followed longest.
 
     Identity: a fused object keeps the smallest fused id that any of its camera tracks had before; a track never seen
     before brings a new id. Through the overlap of two cameras an id is so handed from one to the other. Where a label
@@ -51,12 +76,14 @@ class CovarianceFuser:
         self._ids: dict[_Key, int] = {}
         self._ids_of_labels: dict[str, int] = {}
         self._followed: dict[_Key, int] = {}  # for how many moments in a row
+        self._past: dict[int, _Past] = {}
 
     def reset(self) -> None:
         """Forget all identities."""
         self._ids.clear()
         self._ids_of_labels.clear()
         self._followed.clear()
+        self._past.clear()
 
     def fuse(self, views: Sequence[GroundTracks]) -> GroundTracks:
         """All objects with a valid place, in the order of their ids.
@@ -73,7 +100,11 @@ class CovarianceFuser:
             groups = self._undisputed(groups)
         ids = self._identify(groups)
         order = np.argsort(ids)
-        merged = [_merge(groups[k]) for k in order]
+        merged = [_merge(self._consistent(groups[k], ids[k], time_ns)) for k in order]
+        self._past = {
+            ids[k]: _Past.after(self._past.get(ids[k]), time_ns, position)
+            for k, (position, _) in zip(order.tolist(), merged, strict=True)
+        }
         return GroundTracks(
             source=FUSED,
             time_ns=time_ns,
@@ -116,6 +147,18 @@ class CovarianceFuser:
                 if distance <= self._gate_m or agree:
                     found.append((distance, one, other))
         return [(one, other) for _, one, other in sorted(found, key=lambda pair: (pair[0], pair[1].key, pair[2].key))]
+
+    def _consistent(self, group: list[_View], identity: int, time_ns: int) -> list[_View]:
+        """The rows that do not contradict each other; see the class's description."""
+        if all(_agree(one, other) for one, other in combinations(group, 2)):
+            return group
+        past = self._past.get(identity)
+        expected_m = None if past is None else past.expected_m(time_ns)
+        if expected_m is None:
+            leading = max(group, key=lambda row: self._followed[row.key])
+        else:
+            leading = min(group, key=lambda row: float(np.linalg.norm(row.position_m - expected_m)))
+        return [row for row in group if row is leading or _agree(row, leading)]
 
     def _identify(self, groups: list[list[_View]]) -> list[int]:
         """One id per group, by the rule in the class's description."""
@@ -160,6 +203,11 @@ def _rows(view: GroundTracks) -> list[_View]:
         _View((view.source, int(view.ids[row])), view.labels[row], view.positions_m[row], view.covs_m2[row])
         for row in np.flatnonzero(view.valid)
     ]
+
+
+def _agree(one: _View, other: _View) -> bool:
+    apart = one.position_m - other.position_m
+    return float(apart @ _information(one.cov_m2 + other.cov_m2) @ apart) <= _CONTRADICTION
 
 
 def _information(cov_m2: FloatArray) -> FloatArray:

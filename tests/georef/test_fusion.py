@@ -188,3 +188,34 @@ def test_where_a_label_may_name_many_a_gap_ends_an_identity():
     first = fuser.fuse([view("west", [(5, "car", (0.0, 0), 0.002)]), view("east", [])])
     after = fuser.fuse([view("west", []), view("east", [(9, "car", (1.0, 0), 0.002)])])
     assert first.ids.tolist() != after.ids.tolist()
+
+
+def moving_blue(west_errors_m, east_errors_m, sigma_m=3e-4):
+    """Two cameras over one vehicle at 0.4 m/s; an error per moment, None where a camera does not see it."""
+    for k, errors in enumerate(zip(west_errors_m, east_errors_m, strict=True)):
+        yield [
+            view(name, [] if error is None else [(7, "blue", (0.016 * k + error, 0.0), sigma_m)], 40_000_000 * k)
+            for name, error in zip(("west", "east"), errors, strict=True)
+        ]
+
+
+@pytest.mark.parametrize("wrong", ["west", "east"])
+def test_of_two_places_that_contradict_the_one_counts_where_the_motion_leads(wrong):
+    off, true = [0.0, 0.0, 0.0, 0.05], [0.0] * 4
+    fuser = CovarianceFuser(one_per_label=True)
+    fused = [fuser.fuse(views) for views in moving_blue(*((off, true) if wrong == "west" else (true, off)))]
+    assert np.abs(fused[-1].positions_m - [[0.048, 0.0]]).max() < 1e-12
+    assert np.abs(fused[-1].covs_m2 - 9e-8 * np.eye(2)).max() < 1e-12  # of one camera alone
+    assert np.abs(fused[-2].covs_m2 - 4.5e-8 * np.eye(2)).max() < 1e-12
+
+
+def test_of_two_places_that_contradict_the_one_followed_longest_counts_where_no_motion_is_known():
+    fuser = CovarianceFuser(one_per_label=True)
+    fused = [fuser.fuse(views) for views in moving_blue([0.0, 0.0], [None, 0.05])]
+    assert np.abs(fused[-1].positions_m - [[0.016, 0.0]]).max() < 1e-12
+
+
+def test_places_that_differ_by_chance_are_averaged():
+    fuser = CovarianceFuser(one_per_label=True)
+    fused = [fuser.fuse(views) for views in moving_blue([0.0, 0.0, 6e-4], [0.0, 0.0, -6e-4])]
+    assert np.abs(fused[-1].positions_m - [[0.032, 0.0]]).max() < 1e-12

@@ -107,7 +107,7 @@ def run_scenario(
 def _from_map(
     scenario: RoadScenario, world: World, stages: Stages, noise_seed: int | None
 ) -> tuple[CalibratedCamera, ...]:
-    """The cameras over a road; from frames alone, the road is filmed for some seconds beforehand."""
+    """The cameras over a road; from frames alone, their first ten seconds are filmed thinly for it."""
     frames: list[Frame] = []
     if stages.calibrator == FRAMES:
         before = build_world(thinned(scenario), noise_seed=noise_seed, workers=1, renderer=stages.renderer)
@@ -128,15 +128,18 @@ def _checked_stages(scenario: Scenario, stages: Stages) -> Stages:
         if stages.calibrator:
             raise InputError(f"--calibrator {stages.calibrator} is for the road: the rail has board and marks")
         return stages
+    if stages.calibrator and stages.calibrator not in CALIBRATORS:
+        choices = ", ".join(CALIBRATORS)
+        raise InputError(f"--calibrator {stages.calibrator}: no such calibrator, choose from {choices}")
+    if stages.calibrator and "calibrate" in stages.oracles:
+        raise InputError(
+            f"--calibrator {stages.calibrator} beside --oracle calibrate: the truth leaves it nothing to do"
+        )
     if not stages.needs_film:
         return stages
     if not (stages.detector or stages.perceiver or "detect" in stages.oracles):
         raise InputError("the road has no detector of its own: name yours with --detector, or give --oracle detect")
-    chosen = replace(stages, calibrator=stages.calibrator or PICKS, locator=stages.locator or ON_MAP)
-    if chosen.calibrator not in CALIBRATORS:
-        choices = ", ".join(CALIBRATORS)
-        raise InputError(f"--calibrator {chosen.calibrator}: no such calibrator, choose from {choices}")
-    return chosen
+    return replace(stages, calibrator=stages.calibrator or PICKS, locator=stages.locator or ON_MAP)
 
 
 def manifest_of(
@@ -224,6 +227,8 @@ def _record(
 @contextmanager
 def _whole_or_nothing(directory: Path) -> Iterator[Path]:
     """A directory beside ``directory`` that takes its place when the block ends well, and vanishes when it does not."""
+    if directory.name in ("", ".."):
+        raise InputError(f"{directory} is no name for a run: choose another --out")
     if directory.exists() and not directory.is_dir():
         raise InputError(f"{directory} is a file: choose another --out")
     if directory.exists() and not (directory / RECORDING_NAME).exists() and any(directory.iterdir()):

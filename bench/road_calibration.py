@@ -20,7 +20,7 @@ _FRAMES, _EVERY_S = 5, 2.0
 
 
 def thinned(scenario: RoadScenario) -> RoadScenario:
-    """The same world filmed five times, two seconds apart: enough to tell the road from what drives on it."""
+    """The same world, its beginning filmed five times, two seconds apart: enough to tell the road from its traffic."""
     return replace(scenario, fps=1.0 / _EVERY_S, duration_s=_FRAMES * _EVERY_S)
 
 

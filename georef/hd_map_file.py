@@ -33,8 +33,10 @@ def read_map(path: Path) -> HdMap:
     """Read a map that ``write_map`` or somebody else wrote in this form. Raises InputError naming file and fault."""
     try:
         text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"cannot read the map {path}: {error}") from error
+    except OSError as error:
+        raise InputError(f"cannot read the map {path}: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"cannot read the map {path}: it is no UTF-8 text") from error
     try:
         return map_from_geojson(text)
     except InputError as error:

@@ -42,7 +42,7 @@ class _Memory:
 class WindowAnalyst:
     """Velocity, state and compass direction of every object; implements ``contracts.Analyst``.
 
-    The velocity is the tangent, at this moment, of the parabola of ``georef.velocity``: on a curve it lags behind
+    The velocity is the tangent, at this moment, of the curve of ``georef.velocity``: on a curve it lags behind
     nothing. An object moves once its velocity stands out of its own uncertainty for ``CONFIRM_S`` and the displacement
     over the shortest window points the same way (a parabola across a dead stop swings back; the places do not). It
     stands once the places of the last ``STANDING_S`` agree with rest. In between it keeps what it was. So noise starts

@@ -1,8 +1,11 @@
-"""Where a thing is and how fast, right now: a parabola through its latest places, as long as a parabola will do.
+"""Where a thing is and how fast, right now: a curve through its latest places, as long as one such curve will do.
 
 A short window of places follows every curve but is noisy; a long one is quiet but lags where the motion changes. So the
 parabola is fitted to several windows that all end now, and the longest is taken whose velocity agrees with that of
 every shorter one. Nothing has to be known of the vehicles: neither how they accelerate nor how tight the curves are.
+
+What turns evenly runs on a circle, and the tangent at a parabola's end would be too fast by millimetres per second: the
+parabola tells the circle, and the places are freed from what lies between the two before it is fitted for good.
 """
 
 from collections.abc import Sequence
@@ -18,23 +21,28 @@ MIN_PLACES = 4  # one more than a parabola needs, so that the places can contrad
 FULL = 0.8  # share of its window that the places must span
 EXACT_M = 1e-7  # a place known exactly, as an oracle's is, counts as known to a tenth of a micrometre
 LASTING_SHARE, LASTING_S = 0.6, 0.1  # of a place's error that is still there, fading, at the next; from training films
-_MILLIONTH, _EXACT = 1e-6, 1e-9  # chance that is none; scatter of places without any error
+ALIKE_M = 20.0  # way on which an error that places share, as by calibration, changes by its own size
+_MILLIONTH, _NO_SCATTER = 1e-6, 1e-9  # chance that is none; scatter of places without any error
 _ORDER = 3  # position, velocity, acceleration
 _TURNS = 25.0  # squared Mahalanobis distance of the velocity from none, from which its turning means something
 _CIRCLES = 2  # rounds: the first circle is told by a parabola through places that are not freed yet
-_LARGEST_TURN_RAD = 1.5  # within a window; beyond, no parabola tells the circle
+_LEAST_TURN_RAD, _LARGEST_TURN_RAD = (
+    1e-4,
+    1.5,
+)  # in a window; less is rounding, and of more no parabola tells the circle
 _VELOCITY = slice(2, 4)  # in the parameters: position (2), velocity (2), acceleration (2)
 _MOTION = slice(2, 6)
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A parabola p(t) = p + v t + a t^2 / 2 through the places of one window, t = 0 at the newest.
+    """A parabola p(t) = p + v t + a t^2 / 2, or its circle, through the places of one window, t = 0 at the newest.
 
     parameters: (6,) position, velocity, acceleration; metres and seconds.
-    covariance: (6, 6) if the places scatter about the parabola as they state, each for itself.
-    lasting_m2ps2: (2, 2) of the velocity, if a share of their errors lasts.
-    misfit: by how much their squares exceed that, per degree of freedom; 1 where they do not.
+    covariance: (6, 6) from what the places err by themselves, each apart from the others: windows are compared by it.
+    lasting_m2ps2: (2, 2) of the velocity, from the same, a share of which lasts from place to place.
+    shared_m2: (2, 2) of the newest place, by which all places err together.
+    misfit: by how much the places scatter more than they state, in squares per degree of freedom; at least 1.
     span_s: time between the oldest and the newest place.
     displacement_m, displacement_cov_m2: (2,) from the oldest to the newest place, and (2, 2) its covariance.
     """
@@ -42,6 +50,7 @@ class Fit:
     parameters: FloatArray
     covariance: FloatArray
     lasting_m2ps2: FloatArray
+    shared_m2: FloatArray
     misfit: float
     span_s: float
     displacement_m: FloatArray
@@ -54,8 +63,12 @@ class Fit:
 
     @property
     def velocity_cov_m2ps2(self) -> FloatArray:
-        """(2, 2), widened by the misfit: places that are off, or no parabola (Birge 1932, Phys. Rev. 40, 207)."""
-        return self.misfit * self.lasting_m2ps2
+        """(2, 2), widened by the misfit: places that are off, or another curve (Birge 1932, Phys. Rev. 40, 207).
+
+        A shared error counts by what of it changes while the thing moves on.
+        """
+        changing = float(self.velocity_mps @ self.velocity_mps) / ALIKE_M**2
+        return self.misfit * self.lasting_m2ps2 + changing * self.shared_m2
 
     @property
     def velocity_square(self) -> float:
@@ -75,13 +88,13 @@ class Fit:
 def parabolas(
     times_ns: IntArray, places_m: FloatArray, covs_m2: FloatArray, windows_s: Sequence[float]
 ) -> list[Fit | None]:
-    """The weighted least-squares parabola of each window, the windows in rising order; None where it is not full.
+    """The weighted least-squares curve of each window, the windows in rising order; None where it is not full.
 
-    Places that scatter less than chance allows err together, as by their camera's calibration: that moves no velocity,
-    and what each errs by itself is taken to be as small as the scatter tells.
+    Places that scatter less than chance allows err together, as by their camera's calibration, and what each errs by
+    itself is as small as the scatter tells. A shared error changes slowly along the way: see ``ALIKE_M``.
 
-    times_ns: (K,) rising. places_m: (K, 2). covs_m2: (K, 2, 2) positive semidefinite, errors independent from place to
-    place. A window is full if its places span most of it and are at least ``MIN_PLACES``.
+    times_ns: (K,) rising. places_m: (K, 2). covs_m2: (K, 2, 2) positive semidefinite. A window is full if
+    its places span most of it and are at least ``MIN_PLACES``.
     Raises InputError if the arrays do not fit each other or times do not rise.
     """
     n = len(times_ns)
@@ -107,6 +120,7 @@ def parabolas(
                 one.parameters + np.concatenate([places_m[-1], np.zeros(4)]),
                 own * sums.in_seconds(one.inverse),
                 own * lasting,
+                (1 - own) * covs_m2[-1],
                 max(1.0, one.scatter / own),
                 float(-sums.ago_s[count - 1]),
                 places_m[-1] - places_m[-count],
@@ -186,7 +200,7 @@ class _Sums:
             scaled = inverse @ freed
             residual = float(square + (bent * (bent_m - 2 * self.moved_m[:count])).sum() - scaled @ freed)
         freedom = 2 * count - 6
-        return _Solved(self._seconds * scaled, inverse, max(residual / freedom, _EXACT), freedom)
+        return _Solved(self._seconds * scaled, inverse, max(residual / freedom, _NO_SCATTER), freedom)
 
     def velocity_gain(self, inverse: FloatArray, count: int) -> FloatArray:
         """(2, K, 2) by which each place moves the velocity."""
@@ -219,7 +233,7 @@ def _circle_less_parabola(parameters: FloatArray, covariance: FloatArray, times_
         return none
     turn_radps = float(left @ acceleration) / square
     turned = turn_radps * times_s
-    if turn_radps == 0.0 or np.abs(turned).max() > _LARGEST_TURN_RAD:
+    if not _LEAST_TURN_RAD < np.abs(turned).max() <= _LARGEST_TURN_RAD:
         return none
     ahead_s, aside_s = np.sin(turned) / turn_radps - times_s, (1 - np.cos(turned)) / turn_radps - turned * times_s / 2
     return np.asarray(np.outer(ahead_s, velocity) + np.outer(aside_s, left))

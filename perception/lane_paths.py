@@ -34,7 +34,8 @@ def lane_path(light: NDArray[np.float32], camera: Camera, lane: LaneCentreline) 
     """The path between the strokes that bound a lane; None where they are not both found.
 
     light: (H, W) levels, see ``perception.road_paint.brightness``. camera: says where to look, 4 px to either side;
-    where the strokes are is measured. Over the gaps of a dashed stroke its departure is interpolated.
+    where the strokes are is measured, but for a lane's first and last decimetres. Over the gaps of a dashed stroke the
+    departure is interpolated.
     """
     looks = looks_along(
         camera, PaintLine(lane.id, lane.points_m, _STROKE_M, lane.points_m), every_px=_EVERY_PX, farthest_m=_FARTHEST_M

@@ -26,9 +26,7 @@ _SIGNAL_BGR = {Aspect.RED: (38.0, 48.0, 460.0), Aspect.AMBER: (12.0, 150.0, 460.
 _SIGNAL_RADIUS_M, _SIGNAL_HALF_M = 0.14, 0.19  # of a light; from its middle to its face
 _AT_NIGHT = 1.5  # signals are dimmed, but exposures are longer
 _BEHIND_M = 0.7  # by which the surface of a luminaire may be before its middle
-_SHARPEST_PX = (
-    0.7  # no spot is smaller (standard deviation): what is dims, but less than its area, as lamps are far beyond white
-)
+_SHARPEST_PX = 0.7  # standard deviation; a smaller spot dims, but less than its area: lamps are far beyond white
 _HALO, _HALO_PX = 0.045, 0.0042  # share of the spot's level; length over which it falls, of the focal length
 _MIST, _MIST_PX = 0.10, 0.034  # the same of what fog adds, where all light is scattered once
 _ENDS = 4.0  # halos are cut at so many lengths

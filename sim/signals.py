@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from itertools import accumulate
 
-from contracts import FloatArray
+from contracts import FloatArray, InputError
 from contracts.arrays import freeze
 
 
@@ -43,6 +43,11 @@ class SignalProgram:
 
     phases: tuple[tuple[int, str], ...]
     offset_ns: int = 0
+
+    def __post_init__(self) -> None:
+        lasting_ns = [lasts_ns for lasts_ns, _ in self.phases]
+        if sum(lasting_ns) <= 0 or min(lasting_ns) < 0:
+            raise InputError("a signal's program needs phases that last for some time")
 
     def letters(self, time_ns: int) -> str:
         """SUMO's letter for each link at a moment."""

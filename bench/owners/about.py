@@ -59,10 +59,11 @@ def known_lens(name: str, lens: Path | None, size_px: tuple[int, int] | None, fo
 
 
 def write_about(lens: StoredCamera, hanging: Hanging, map_path: Path, out: Path) -> None:
-    """Write the camera's file, with the covariance that ``gantry calibrate frames`` takes for granted."""
+    """Write the camera's file. Place, direction and focal length are where ``gantry calibrate frames`` begins."""
     geo = read_map(map_path).geo
     mounting, covariance = Mounting(), np.array(lens.covariance)
     pose_sigmas = [*3 * [mounting.turn_rad / 2], *3 * [mounting.position_sigma_m]]
+    covariance[9:, :9] = covariance[:9, 9:] = 0.0  # of another pose
     covariance[9:, 9:] = np.diag(np.square(pose_sigmas))
     write_stored(out, replace(lens, pose=hanging.pose(geo), covariance=covariance, geo=geo))
 

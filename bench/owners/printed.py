@@ -9,7 +9,17 @@ import numpy as np
 from bench.owners.calibrations import Calibration, LensFromBoards
 from bench.owners.places import Places
 from contracts import FloatArray
+from georef.calibrated import PARAMETERS
 from georef.ground_homography import GroundHomography
+
+_CAMERA_ROWS = {
+    "f_px": "fx",
+    "cx_px": "cx",
+    "cy_px": "cy",
+    **{name: name for name in ("k1", "k2", "p1", "p2")},
+    **{f"{axis}_m": axis for axis in "xyz"},
+}
+"""What is printed of a camera, and what ``PARAMETERS`` calls it."""
 
 
 def print_lens(found: LensFromBoards, out: Path, *, json: bool) -> None:
@@ -44,10 +54,12 @@ def print_calibration(calibration: Calibration, out: Path, *, json: bool) -> Non
         extra["heading_deg"] = float(np.rad2deg(np.arctan2(ahead[1], ahead[0])))
         extra["down_deg"] = float(np.rad2deg(-np.arcsin(np.clip(ahead[2], -1, 1))))
         extra["roll_deg"] = float(np.rad2deg(np.arcsin(np.clip(-right[2], -1, 1))))
-        values = [k.fx_px, k.cx_px, k.cy_px, *k.distortion[:2].tolist(), *pose.position_m.tolist()]
-        rows = dict(zip(("f_px", "cx_px", "cy_px", "k1", "k2", "x_m", "y_m", "z_m"), values, strict=True))
+        values = [k.fx_px, k.cx_px, k.cy_px, *k.distortion[:4].tolist(), *pose.position_m.tolist()]
+        rows = dict(zip(_CAMERA_ROWS, values, strict=True))
     sigmas = np.sqrt(np.diag(found.covariance))
-    kept = sigmas if isinstance(found, GroundHomography) else sigmas[[0, 2, 3, 4, 5, 12, 13, 14]]
+    kept = (
+        sigmas if isinstance(found, GroundHomography) else sigmas[[PARAMETERS.index(n) for n in _CAMERA_ROWS.values()]]
+    )
     _print_parameters(rows, kept, extra, out, json=json)
 
 

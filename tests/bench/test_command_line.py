@@ -93,6 +93,12 @@ def test_the_same_seed_gives_an_equal_run_and_another_seed_is_found_different(tr
             ["run", "oval-one-vehicle", "--oracle", "locate", "--out", "README.md/x"],
             ["README.md/x", "cannot be written"],
         ),
+        (["run", "oval-one-vehicle", "--oracle", "locate", "--out", "."], [". is no name for a run"]),
+        (["run", "crossroads-day", "--oracle", "locate", "--calibrator", "frmes"], ["frmes", "picks, frames"]),
+        (
+            ["run", "crossroads-day", "--oracle", "detect", "--oracle", "calibrate", "--calibrator", "frames"],
+            ["--calibrator frames beside --oracle calibrate"],
+        ),
         (["tables", "rail", "crossroads-day"], ["crossroads-day is no scenario of the rail"]),
         (["score", "no/such/run"], ["no/such/run"]),
         (["report", "no/such/run"], ["no/such/run"]),

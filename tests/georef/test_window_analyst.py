@@ -122,6 +122,16 @@ def test_an_error_that_all_places_share_hides_no_motion(heading_rad, seed, east_
     assert 1e-3 < said.speed_sigmas_mps[0] < 0.1
 
 
+@given(st.floats(1.0, 15.0), ANGLES, st.floats(-1.0, 1.0))
+@settings(max_examples=20, deadline=None)
+def test_a_shared_error_that_grows_along_the_way_is_in_the_stated_speed(speed_mps, heading_rad, share):
+    growing = 1.0 + 0.01 * share  # calibration that is off by its stated 20 cm where it is off most, 20 m on
+    path_m = growing * straight((speed_mps * cos(heading_rad), speed_mps * sin(heading_rad)), 30)
+    said = analysed(moments(path_m, stated_m=0.2))[-1]
+    assert said.states == (MotionState.MOVING,)
+    assert abs(said.speeds_mps[0] - speed_mps) < 1.1 * said.speed_sigmas_mps[0]
+
+
 @given(st.floats(0.15, 0.6), ANGLES, SEEDS, st.sampled_from([3e-4, 8e-4]))
 @settings(max_examples=40, deadline=None)
 def test_a_straight_motion_is_recovered_within_five_of_its_sigmas(speed_mps, heading_rad, seed, sigma_m):

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from road_cases import path_of
 from road_film_cases import BUSY, crossroads, pole_camera
 
+from contracts import InputError
 from sim.lights import LightPreset
 from sim.projection import project
 from sim.renderer import RendererName
@@ -30,6 +31,12 @@ programs = st.builds(
     ),
     st.integers(-200 * SECOND_NS, 200 * SECOND_NS),
 )
+
+
+@pytest.mark.parametrize("phases", [(), ((0, "GGG"),), ((5, "GGG"), (-5, "rrr"))])
+def test_a_program_without_time_is_refused(phases):
+    with pytest.raises(InputError, match="last for some time"):
+        SignalProgram(phases)
 
 
 @pytest.mark.parametrize("offset_s", [0, 7, -20])

@@ -1,11 +1,15 @@
 """What an owner picks by hand in a picture: points of the map and pixels on its lines, with a hand's errors."""
 
+from collections.abc import Iterator
+
 import numpy as np
+import shapely
 
 from contracts import BoolArray, Camera, FloatArray, IntArray
 from georef.hd_map import AreaKind, HdMap, Line
 from georef.picks import LinePicks, PointPicks
 from sim.projection import project
+from sim.road_surface import crosswalk_bars
 
 _FARTHEST_M, _ON_LINES_M = 70.0, 50.0
 _BORDER_PX = 5.0
@@ -54,15 +58,21 @@ def _points(hd_map: HdMap) -> tuple[list[str], list[FloatArray]]:
     return [name for name, _ in named], [place for _, place in named]
 
 
-def _lines(hd_map: HdMap) -> list[Line]:
-    """Lines on which one can pick anywhere: unbroken markings, stop lines, and crosswalks' sides, where bars end."""
-    unbroken = [line for line in hd_map.lane_markings if not line.dash_m]
-    sides = []
+def _lines(hd_map: HdMap) -> Iterator[tuple[Line, FloatArray]]:
+    """Lines on which one can pick, with places (N, 3) where they show: where a crosswalk's side has a bar's end."""
+    for line in (*(line for line in hd_map.lane_markings if not line.dash_m), *hd_map.stop_lines):
+        yield line, line.places_m(np.arange(0.0, line.length_m, _STEP_M))
     for area in hd_map.painted_areas:
         if area.kind is AreaKind.CROSSWALK:
             half = len(area.ring_m) // 2
-            sides += [Line(f"{area.id}/right", area.ring_m[:half]), Line(f"{area.id}/left", area.ring_m[half:])]
-    return [*unbroken, *hd_map.stop_lines, *sides]
+            bars = np.array([bar.exterior.coords[:4] for bar in crosswalk_bars(area)])  # (B, 4, 2)
+            for side, ring_m, ends_m in (
+                ("right", area.ring_m[:half], bars[:, :2]),
+                ("left", area.ring_m[half:], bars[:, 2:]),
+            ):
+                line = Line(f"{area.id}/{side}", ring_m)
+                middles = shapely.points(ends_m.mean(axis=1))
+                yield line, line.places_m(shapely.line_locate_point(shapely.LineString(ring_m[:, :2]), middles))
 
 
 def _seen(camera: Camera, places_m: FloatArray, farthest_m: float) -> tuple[FloatArray, BoolArray]:
@@ -88,11 +98,11 @@ def _spread(pixels: FloatArray, rows: IntArray, count: int) -> IntArray:
 def _on_lines(
     camera: Camera, true_map: HdMap, owners_map: HdMap, rng: np.random.Generator, noise_px: float
 ) -> LinePicks:
-    believed = {line.id: line.points_m for line in _lines(owners_map)}
+    believed = {line.id: line.points_m for line, _ in _lines(owners_map)}
     names: list[str] = []
     pixels: list[FloatArray] = []
-    for line in _lines(true_map):
-        shown, seen = _seen(camera, line.places_m(np.arange(0.0, line.length_m, _STEP_M)), _ON_LINES_M)
+    for line, places_m in _lines(true_map):
+        shown, seen = _seen(camera, places_m, _ON_LINES_M)
         rows = _spread(shown, np.flatnonzero(seen).astype(np.int64), _PER_LINE)
         names += len(rows) * [line.id]
         pixels.append(shown[rows] + noise_px * rng.standard_normal((len(rows), 2)))

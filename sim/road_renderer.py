@@ -8,8 +8,8 @@ from sim.air import diffused
 from sim.body_shapes import Wardrobe
 from sim.light_program import lights_at
 from sim.renderer import Rendered, RendererName, blended
+from sim.road_setting import RoadSetting
 from sim.road_stage import RoadStage, VeilStage
-from sim.road_studio import RoadStudio
 from sim.road_view import RoadView
 
 
@@ -19,13 +19,13 @@ class RoadRenderer:
     cameras: the true ones, as pinholes: their distortion is ignored.
     """
 
-    def __init__(self, studio: RoadStudio, cameras: Sequence[Camera]) -> None:
+    def __init__(self, setting: RoadSetting, cameras: Sequence[Camera]) -> None:
         sizes = [(camera.intrinsics.width_px, camera.intrinsics.height_px) for camera in cameras]
         size = (max(w for w, _ in sizes), max(h for _, h in sizes))
-        self._light, self._weather, self._name = studio.light, studio.weather, studio.name
-        wardrobe = Wardrobe(studio.seed)
-        self._stages = RoadStage(studio.scene, size, wardrobe), VeilStage(studio.scene, size, wardrobe)
-        self._views = {camera.name: RoadView(camera, studio, *self._stages) for camera in cameras}
+        self._light, self._weather, self._name = setting.light, setting.weather, setting.name
+        wardrobe = Wardrobe(setting.seed)
+        self._stages = RoadStage(setting.scene, size, wardrobe), VeilStage(setting.scene, size, wardrobe)
+        self._views = {camera.name: RoadView(camera, setting, *self._stages) for camera in cameras}
 
     def render(self, state: Truth, camera: str) -> Rendered:
         """See ``Renderer.render``; raises InputError for a camera that the renderer was not made with."""

@@ -5,23 +5,15 @@ from dataclasses import dataclass
 
 from contracts import Camera
 from contracts.truth import CameraTruth, Truth
-from sim.air import Weather
 from sim.body_shapes import Wardrobe
-from sim.light_program import LightProgram
-from sim.renderer import Rendered, Renderer, RendererName
-from sim.road_scene import RoadScene
+from sim.renderer import Rendered, Renderer
+from sim.road_setting import RoadSetting
 from sim.road_truth import road_camera_truth
 
 
 @dataclass(frozen=True, eq=False)
-class RoadStudio:
-    """A road under a light and a weather. seed: of the users' looks and the mottle of the road."""
-
-    scene: RoadScene
-    light: LightProgram
-    weather: Weather
-    seed: int
-    name: RendererName
+class RoadStudio(RoadSetting):
+    """A road's setting with what films it."""
 
     def renderer(self, pinholes: Sequence[Camera]) -> Renderer:
         """See ``Studio.renderer``."""

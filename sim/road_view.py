@@ -23,9 +23,9 @@ from sim.mirror import is_wet
 from sim.moving_lamps import MovingLamps, windows_of_light
 from sim.renderer import Rendered, Still, Window
 from sim.road_scene import KIND_CODES, PartKind
+from sim.road_setting import RoadSetting
 from sim.road_shadow import shadow_mask, thrown
 from sim.road_stage import RoadStage, VeilStage
-from sim.road_studio import RoadStudio
 from sim.signals import Shown
 from sim.still_view import StillView
 from sim.users_view import UsersView
@@ -58,12 +58,12 @@ class RoadView:
     whole: the stage with the whole scene; veil: with its veil.
     """
 
-    def __init__(self, camera: Camera, studio: RoadStudio, whole: RoadStage, veil: VeilStage) -> None:
+    def __init__(self, camera: Camera, setting: RoadSetting, whole: RoadStage, veil: VeilStage) -> None:
         self._camera = camera
-        self._wardrobe, self._scene = Wardrobe(studio.seed), studio.scene
-        self._still, self._users = StillView(camera, studio, whole), UsersView(camera, studio, veil)
+        self._wardrobe, self._scene = Wardrobe(setting.seed), setting.scene
+        self._still, self._users = StillView(camera, setting, whole), UsersView(camera, setting, veil)
         self._sight = self._still.sight
-        self._wet = WetGround(self._sight, studio, whole, veil) if is_wet(studio.weather) else None
+        self._wet = WetGround(self._sight, setting, whole, veil) if is_wet(setting.weather) else None
         self._things = Still(self._sight.kinds, tuple(KIND_CODES), frozenset(kind for kind in PartKind if kind.upright))
         self._empty: dict[tuple[Light, Shown], EmptyRoad] = {}
 

@@ -15,8 +15,8 @@ from sim.mirror import DARKER, is_wet
 from sim.mottle import mottle
 from sim.moving_lamps import LitGround, MovingLamps
 from sim.road_scene import KIND_CODES
+from sim.road_setting import RoadSetting
 from sim.road_stage import RoadStage
-from sim.road_studio import RoadStudio
 from sim.sight import Sight
 from sim.signals import Shown
 
@@ -27,14 +27,14 @@ _DIM = frozenset((Weather.RAIN, Weather.FOG))
 class StillView:
     """A pinhole before the whole stage."""
 
-    def __init__(self, camera: Camera, studio: RoadStudio, stage: RoadStage) -> None:
-        self._stage, self._weather, self._lamps_m = stage, studio.weather, studio.scene.lamps_m
-        self._signals = studio.scene.signals
-        self._camera, self._wardrobe = camera, Wardrobe(studio.seed)
+    def __init__(self, camera: Camera, setting: RoadSetting, stage: RoadStage) -> None:
+        self._stage, self._weather, self._lamps_m = stage, setting.weather, setting.scene.lamps_m
+        self._signals = setting.scene.signals
+        self._camera, self._wardrobe = camera, Wardrobe(setting.seed)
         self.sight = Sight.of(camera, stage)
         sight = self.sight
-        texture = mottle(sight.kinds, sight.points_m, sight.pixel_m, studio.seed)
-        self._texture = (texture * _darkened(sight.kinds, studio.weather))[..., None]
+        texture = mottle(sight.kinds, sight.points_m, sight.pixel_m, setting.seed)
+        self._texture = (texture * _darkened(sight.kinds, setting.weather))[..., None]
         self._lamplight: Array32 | None = None
         self._lit_ground: LitGround | None = None
 

@@ -13,9 +13,9 @@ from sim.air import Air, Array32, in_colour, rays_of
 from sim.lights import ALBEDO, Beam, Light
 from sim.moving_lamps import MovingLamps
 from sim.renderer import Window
+from sim.road_setting import RoadSetting
 from sim.road_shadow import thrown
 from sim.road_stage import FAR_M, VeilStage, hiding_parts
-from sim.road_studio import RoadStudio
 from sim.still_view import set_up
 from sim.windows import cropped, enclosing, inside, meet, window_of
 
@@ -41,9 +41,9 @@ class Users:
 class UsersView:
     """A pinhole before the veiled stage."""
 
-    def __init__(self, camera: Camera, studio: RoadStudio, veil: VeilStage) -> None:
-        self._camera, self._veil, self._weather = camera, veil, studio.weather
-        self._hiding = hiding_parts(studio.scene)
+    def __init__(self, camera: Camera, setting: RoadSetting, veil: VeilStage) -> None:
+        self._camera, self._veil, self._weather = camera, veil, setting.weather
+        self._hiding = hiding_parts(setting.scene)
         self._stretch = np.linalg.norm(rays_of(camera), axis=2)  # range over depth
         self._reaches: dict[Light, list[Window | None]] = {}
 

@@ -13,8 +13,8 @@ from sim.lights import Light
 from sim.mirror import Mirror
 from sim.moving_lamps import MovingLamps
 from sim.renderer import Window
+from sim.road_setting import RoadSetting
 from sim.road_stage import RoadStage, VeilStage
-from sim.road_studio import RoadStudio
 from sim.sight import Sight
 from sim.signals import Shown
 from sim.still_view import StillView
@@ -43,11 +43,11 @@ class _Empty:
 class WetGround:
     """What lies wet in ``sight``."""
 
-    def __init__(self, sight: Sight, studio: RoadStudio, whole: RoadStage, veil: VeilStage) -> None:
-        self._mirror = Mirror(sight, studio.weather, studio.seed)
-        self._still = StillView(self._mirror.camera, studio, whole)
-        self._users = UsersView(self._mirror.camera, studio, veil)
-        self._scene = studio.scene
+    def __init__(self, sight: Sight, setting: RoadSetting, whole: RoadStage, veil: VeilStage) -> None:
+        self._mirror = Mirror(sight, setting.weather, setting.seed)
+        self._still = StillView(self._mirror.camera, setting, whole)
+        self._users = UsersView(self._mirror.camera, setting, veil)
+        self._scene = setting.scene
         self._empty: dict[tuple[Light, Shown], _Empty] = {}
 
     def laid(

@@ -40,7 +40,7 @@ def main() -> None:
     _, _, tail = rest.partition(END)
     figures = "\n\n".join([_table("stages", main_job), _table("scenario", library)])
     write_whole(DOCUMENT, f"{head}{BEGIN}\n\n{figures}\n\n{END}{tail}")
-    failures = [failure for _, outcome in library for failure in outcome.failures]
+    failures = [f"{command}: {failure}" for command, outcome in library for failure in outcome.failures]
     for failure in failures:
         print(failure, file=sys.stderr)
     sys.exit(1 if failures else 0)

@@ -1,6 +1,6 @@
 # make demo      set everything up, film the model railway, score it, write the report
 # make test      set everything up, run the linters, the type checker and the tests
-# make accuracy  film everything, hold every expectation, write docs/accuracy.md
+# make accuracy  film the whole rail, hold every expectation, write docs/accuracy.md
 # make model     film the training scenarios and learn perception/models/*.json from them
 
 PYTHON ?= python3

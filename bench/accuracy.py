@@ -1,4 +1,4 @@
-"""``make accuracy``: film every scenario, hold every expectation, and write the figures into docs/accuracy.md.
+"""``make accuracy``: film the whole rail, hold every expectation, and write the figures into docs/accuracy.md.
 
 Each figure comes with the command that makes it, so that a reader can run it alone.
 """

@@ -244,6 +244,12 @@ class PaintedArea(Area):
 
     kind: AreaKind
 
+    @property
+    def sides_m(self) -> tuple[FloatArray, FloatArray]:
+        """Of a crosswalk: its right side (M, 3) in the walkers' direction, and its left one back again."""
+        half = len(self.ring_m) // 2
+        return self.ring_m[:half], self.ring_m[half:]
+
 
 @dataclass(frozen=True, eq=False)
 class ProtectionZone(Area):

@@ -1,7 +1,7 @@
 """Intrinsics and lens of a camera from views of a checkerboard (Zhang 2000)."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,7 +24,7 @@ class IntrinsicCalibration:
     covariance: (9, 9) of fx, fy, cx, cy (px), k1, k2, p1, p2, k3.
     residual_rms_px: root mean square per coordinate of the corners' residuals.
     corner_noise_px: standard deviation per coordinate of a corner, estimated from the residuals.
-    views: number of views in which the board was found.
+    views: number of views in which the board was found. unused: names of the others.
     """
 
     intrinsics: Intrinsics
@@ -32,27 +32,35 @@ class IntrinsicCalibration:
     residual_rms_px: float
     corner_noise_px: float
     views: int
+    unused: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         freeze(self, "covariance", shape=(9, 9))
 
 
-def calibrate_intrinsics(board_views: Sequence[Frame], board: Checkerboard) -> IntrinsicCalibration:
-    """Calibrate from images.
+def calibrate_intrinsics(
+    board_views: Sequence[Frame], board: Checkerboard, *, names: Sequence[str] | None = None
+) -> IntrinsicCalibration:
+    """Calibrate from images; ``names`` is what they are called, view 0 and so on if not given.
 
     Raises CalibrationError where too few views show the whole board, their sizes differ, or they are all parallel.
     """
-    sizes = {frame.image.shape[:2] for frame in board_views}
-    if len(sizes) > 1:
-        raise CalibrationError(f"the board views have different image sizes (height, width): {sorted(sizes)}")
-    corners = [found for frame in board_views if (found := find_corners(frame, board)) is not None]
-    if len(corners) < LEAST_VIEWS:
+    names = [f"view {number}" for number in range(len(board_views))] if names is None else names
+    sizes = [frame.image.shape[1::-1] for frame in board_views]
+    for name, size in zip(names, sizes, strict=True):
+        if size != sizes[0]:
+            others = f"{names[0]} {sizes[0][0]}x{sizes[0][1]}"
+            raise CalibrationError(f"{name} is {size[0]}x{size[1]}, but {others}: one camera has one size")
+    corners = [find_corners(frame, board) for frame in board_views]
+    unused = tuple(name for name, found in zip(names, corners, strict=True) if found is None)
+    found = [each for each in corners if each is not None]
+    if len(found) < LEAST_VIEWS:
+        where = f"not in {', '.join(unused)}" if unused else "give more of them"
         raise CalibrationError(
-            f"the {board.columns} x {board.rows} checkerboard was found in {len(corners)} of {len(board_views)} views; "
-            f"at least {LEAST_VIEWS} are needed"
+            f"the {board.columns} x {board.rows} checkerboard was found in {len(found)} of {len(board_views)} views, "
+            f"at least {LEAST_VIEWS} are needed; {where}"
         )
-    height_px, width_px = sizes.pop()
-    return calibrate_from_corners(np.stack(corners), board, width_px, height_px)
+    return replace(calibrate_from_corners(np.stack(found), board, *sizes[0]), unused=unused)
 
 
 def calibrate_from_corners(

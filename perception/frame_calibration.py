@@ -40,7 +40,7 @@ _LEAST_GATE_PX, _LEAST_CORNER_PX = 1.5, 6.0
 _BARS_APART_PX_PER_M = 24.0  # along a crosswalk's side: its bars must not run into each other
 _ENDS_PX_PER_M = 15.0  # along the bar or the dash that ends
 _STRETCH_M = 5.0
-_UNEVEN = 0.12  # sides of a stroke that is measured; to be counted, any will do
+_UNEVEN, _VERY_UNEVEN = 0.12, 1.0  # sides of a stroke that is measured, and of one that is only counted
 _NARROWEST_PX = 1.2  # stroke that is still looked for
 _NOISE = Noise(sigma_px=0.15)
 
@@ -109,7 +109,7 @@ def _share_found(light: NDArray[np.float32], camera: Camera, paint: PaintMap) ->
     for line in paint.lines:
         looks = looks_along(camera, line, every_px=_EVERY_PX, farthest_m=_FARTHEST_M)
         asked += len(_clear(looks, _GATES_PX[0]))
-        found += int(_on_line(light, looks, _GATES_PX[0], uneven=1.0).seen.sum())
+        found += int(_on_line(light, looks, _GATES_PX[0], uneven=_VERY_UNEVEN).seen.sum())
     return found / max(asked, 1)
 
 

@@ -52,8 +52,7 @@ def paint_of(hd_map: HdMap) -> PaintMap:
     corners: list[FloatArray] = []
     for area in hd_map.painted_areas:
         if area.kind is AreaKind.CROSSWALK:
-            half = len(area.ring_m) // 2
-            right, left = area.ring_m[:half], area.ring_m[half:]  # along the walkers' way, and back
+            right, left = area.sides_m
             lines += [_edge(f"{area.id}/right", right), _edge(f"{area.id}/left", left)]
             names += [f"{area.id}/corner {k}" for k in range(4)]
             corners += [right[0], right[-1], left[0], left[-1]]

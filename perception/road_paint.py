@@ -54,7 +54,7 @@ def strokes_across(
     widths_px: FloatArray,
     reach_px: FloatArray,
     *,
-    uneven: float = 1.0,
+    uneven: float,
 ) -> Found:
     """The middle of a bright stroke across each of N places.
 

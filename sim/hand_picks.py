@@ -49,8 +49,8 @@ def _points(hd_map: HdMap) -> tuple[list[str], list[FloatArray]]:
     named = [(f"{line.id}/{end}", line.points_m[end]) for line in hd_map.stop_lines for end in (0, -1)]
     for area in hd_map.painted_areas:
         if area.kind is AreaKind.CROSSWALK:
-            half = len(area.ring_m) // 2
-            named += [(f"{area.id}/{k}", area.ring_m[k]) for k in (0, half - 1, half, -1)]
+            corners_m = [side_m[end] for side_m in area.sides_m for end in (0, -1)]
+            named += [(f"{area.id}/{k}", corner_m) for k, corner_m in enumerate(corners_m)]
     named += [(facility.id, facility.position_m) for facility in hd_map.facilities]
     for marking in hd_map.lane_markings:
         ends = marking.places_m(marking.dashes_m.ravel())
@@ -64,15 +64,11 @@ def _lines(hd_map: HdMap) -> Iterator[tuple[Line, FloatArray]]:
         yield line, line.places_m(np.arange(0.0, line.length_m, _STEP_M))
     for area in hd_map.painted_areas:
         if area.kind is AreaKind.CROSSWALK:
-            half = len(area.ring_m) // 2
             bars = np.array([bar.exterior.coords[:4] for bar in crosswalk_bars(area)])  # (B, 4, 2)
-            for side, ring_m, ends_m in (
-                ("right", area.ring_m[:half], bars[:, :2]),
-                ("left", area.ring_m[half:], bars[:, 2:]),
-            ):
-                line = Line(f"{area.id}/{side}", ring_m)
+            for side, points_m, ends_m in zip(("right", "left"), area.sides_m, (bars[:, :2], bars[:, 2:]), strict=True):
+                line = Line(f"{area.id}/{side}", points_m)
                 middles = shapely.points(ends_m.mean(axis=1))
-                yield line, line.places_m(shapely.line_locate_point(shapely.LineString(ring_m[:, :2]), middles))
+                yield line, line.places_m(shapely.line_locate_point(shapely.LineString(points_m[:, :2]), middles))
 
 
 def _seen(camera: Camera, places_m: FloatArray, farthest_m: float) -> tuple[FloatArray, BoolArray]:

@@ -148,8 +148,8 @@ def crosswalk_bars(area: PaintedArea) -> Iterator[shapely.Polygon]:
 
     The ring goes along one side in the walkers' direction and back along the other.
     """
-    half = len(area.ring_m) // 2
-    right, left = Line("right", area.ring_m[:half]), Line("left", area.ring_m[: half - 1 : -1])
+    ahead_m, back_m = area.sides_m
+    right, left = Line("right", ahead_m), Line("left", back_m[::-1])
     count = max(1, round((right.length_m / _BAR_M + 1) / 2))
     share = np.arange(2 * count).reshape(-1, 2) / (2 * count - 1)  # begin and end of each bar
     for begin, end in share.tolist():

@@ -13,13 +13,12 @@ from georef.calibrated import CalibratedCamera
 from georef.camera_file import write_stored
 from georef.camera_forms import CameraForm, StoredCamera
 from georef.camera_models import Beliefs
-from georef.checkerboard import find_corners
 from georef.geo_reference import GeoReference
 from georef.ground_homography import GroundHomography
 from georef.hd_map import Facility, HdMap, LaneMarking, PaintedArea, RoadMark, Sign, Signal, StopLine
 from georef.hd_map_file import read_map
 from georef.homography_file import write_homography
-from georef.intrinsics import LEAST_VIEWS, IntrinsicCalibration, calibrate_from_corners
+from georef.intrinsics import IntrinsicCalibration, calibrate_intrinsics
 from georef.map_calibration import PickVerdict, calibrate_camera, calibrate_homography, calibrate_pan_tilt
 from georef.mixture import Noise
 from georef.next_pick import gains
@@ -73,48 +72,15 @@ class Calibration:
         return cls(found, verdict.noise_px, int(np.isfinite(verdict.good).sum()) + len(verdict.line_good))
 
 
-@dataclass(frozen=True, eq=False)
-class LensFromBoards:
-    """A lens, and the images that did not help because no board was found in them."""
-
-    lens: IntrinsicCalibration
-    unused: tuple[Path, ...]
-
-
 def calibrate_lens(
     images: Sequence[Path], board: tuple[int, int, float], name: str, out: Path, form: str
-) -> LensFromBoards:
+) -> IntrinsicCalibration:
     """Zhang's method on image files; writes the camera file, without pose. Raises InputError, CalibrationError."""
-    frames = read_images(images, name)
-    size_px = _common_size(images, frames)
-    checkerboard = Checkerboard(*board)
-    found = [find_corners(frame, checkerboard) for frame in frames]
-    unused = tuple(path for path, corners in zip(images, found, strict=True) if corners is None)
-    if len(images) - len(unused) < LEAST_VIEWS:
-        raise CalibrationError(
-            f"the {board[0]} x {board[1]} checkerboard was found in {len(images) - len(unused)} of {len(images)} "
-            f"images, at least {LEAST_VIEWS} are needed; {_not_found_in(unused)}"
-        )
-    corners_px = np.stack([corners for corners in found if corners is not None])
-    lens = calibrate_from_corners(corners_px, checkerboard, *size_px)
+    lens = calibrate_intrinsics(read_images(images, name), Checkerboard(*board), names=[str(path) for path in images])
     covariance = np.zeros((15, 15))
     covariance[:9, :9] = lens.covariance
     write_stored(out, StoredCamera(name, lens.intrinsics, None, covariance), CameraForm(form))
-    return LensFromBoards(lens, unused)
-
-
-def _common_size(images: Sequence[Path], frames: Sequence[Frame]) -> tuple[int, int]:
-    """Width and height of all ``frames``. Raises InputError naming the image that has others."""
-    sizes = [(frame.image.shape[1], frame.image.shape[0]) for frame in frames]
-    for path, (width, height) in zip(images, sizes, strict=True):
-        if (width, height) != sizes[0]:
-            first = f"{images[0]} {sizes[0][0]}x{sizes[0][1]}"
-            raise InputError(f"{path} is {width}x{height}, but {first}: one camera has one size")
-    return sizes[0]
-
-
-def _not_found_in(unused: Sequence[Path]) -> str:
-    return f"not in {', '.join(map(str, unused))}" if unused else "give more of them"
+    return lens
 
 
 def read_images(images: Sequence[Path], name: str) -> list[Frame]:

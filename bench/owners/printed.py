@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from bench.owners.calibrations import Calibration, LensFromBoards
+from bench.owners.calibrations import Calibration
 from bench.owners.places import Places
 from contracts import FloatArray
 from georef.calibrated import PARAMETERS
 from georef.ground_homography import GroundHomography
+from georef.intrinsics import IntrinsicCalibration
 
 _CAMERA_ROWS = {
     "f_px": "fx",
@@ -22,16 +23,15 @@ _CAMERA_ROWS = {
 """What is printed of a camera, and what ``PARAMETERS`` calls it."""
 
 
-def print_lens(found: LensFromBoards, out: Path, *, json: bool) -> None:
+def print_lens(lens: IntrinsicCalibration, out: Path, *, json: bool) -> None:
     """K, lens, residuals, and the images that were of no use."""
-    lens = found.lens
     k, sigmas = lens.intrinsics, np.sqrt(np.diag(lens.covariance))
     values = [k.fx_px, k.fy_px, k.cx_px, k.cy_px, *k.distortion.tolist()]
     rows = dict(zip(("fx_px", "fy_px", "cx_px", "cy_px", "k1", "k2", "p1", "p2", "k3"), values, strict=True))
     extra = {
         "residual_rms_px": lens.residual_rms_px,
         "views": lens.views,
-        "no_board_found_in": [str(path) for path in found.unused],
+        "no_board_found_in": list(lens.unused),
     }
     _print_parameters(rows, sigmas, extra, out, json=json)
 

@@ -43,7 +43,7 @@ def test_the_middle_of_a_stroke_is_found_to_a_tenth_of_a_pixel(u, v, angle, widt
     across = np.array([-np.sin(angle), np.cos(angle)])
     light = drawn(stripe(middle, angle, width))
     expected = middle + beside * across
-    found = strokes_across(light, expected[None], across[None], width * ONE, 4.0 * ONE)
+    found = strokes_across(light, expected[None], across[None], width * ONE, 4.0 * ONE, uneven=1.0)
     assert found.seen[0]
     assert abs((found.pixels[0] - middle) @ across) < 0.1
 
@@ -73,12 +73,16 @@ def test_a_corner_is_found_to_four_tenths_of_a_pixel(u, v, angle, beside):
 def test_what_is_not_as_expected_is_not_found():
     light = drawn(stripe(np.array([60.0, 50.0]), 0.0, 6.0))
     place, up = np.array([[60.0, 50.0]]), np.array([[0.0, 1.0]])
-    assert not strokes_across(light, place, up, 30.0 * ONE, 4.0 * ONE).seen[0]  # too narrow
-    assert not strokes_across(light, place + np.array([0, 12]), up, 6.0 * ONE, 4.0 * ONE).seen[0]  # too far away
+    assert not strokes_across(light, place, up, 30.0 * ONE, 4.0 * ONE, uneven=1.0).seen[0]  # too narrow
+    assert not strokes_across(light, place + np.array([0, 12]), up, 6.0 * ONE, 4.0 * ONE, uneven=1.0).seen[
+        0
+    ]  # too far away
     assert not edges_across(np.full_like(light, ASPHALT), place, up, 4.0 * ONE).seen[0]
     assert not corners_near(light, place + np.array([0, 3]), 4.0 * ONE).seen[0]  # an edge is no corner
     two = np.maximum(light, drawn(stripe(np.array([60.0, 58.0]), 0.0, 6.0)))
-    assert not strokes_across(two, place + np.array([0, 4]), up, 6.0 * ONE, 6.0 * ONE).seen[0]  # which of them?
+    assert not strokes_across(two, place + np.array([0, 4]), up, 6.0 * ONE, 6.0 * ONE, uneven=1.0).seen[
+        0
+    ]  # which of them?
 
 
 def test_a_stroke_whose_sides_differ_is_not_measured():

@@ -25,7 +25,7 @@ ALIKE_M = 20.0  # way on which an error that places share, as by calibration, ch
 _MILLIONTH, _NO_SCATTER = 1e-6, 1e-9  # chance that is none; scatter of places without any error
 _ORDER = 3  # position, velocity, acceleration
 _TURNS = 25.0  # squared Mahalanobis distance of the velocity from none, from which its turning means something
-_CIRCLES = 2  # rounds: the first circle is told by a parabola through places that are not freed yet
+_CIRCLES = 4  # rounds: the first circle is told by a parabola through places that are not freed yet
 _LEAST_TURN_RAD, _LARGEST_TURN_RAD = (
     1e-4,
     1.5,
